@@ -1,0 +1,1 @@
+"""The robot: its description, kinematics, faults and simulator."""
