@@ -1,0 +1,89 @@
+"""What an agent is: percepts in, one command out."""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from plant.robot import Robot
+
+Array = npt.NDArray[np.float64]
+
+
+class Goal(NamedTuple):
+    """A piece of path: where the hand should be, how fast that moves, and until when.
+
+    position: (..., 3) [m] in the world, at time `since`
+    velocity: (..., 3) [m/s]
+    since, until: plant time [s]; before and after, the goal stands still
+    """
+
+    position: Array
+    velocity: Array
+    since: float
+    until: float
+
+    def at(self, t: float) -> Array:
+        """Where the goal is at plant time `t` [s]: (..., 3) [m] in the world."""
+        moving = min(max(t, self.since), self.until) - self.since
+        return self.position + self.velocity * moving
+
+
+class Joints(NamedTuple):
+    """What the encoders say, the paper's blackboard: (..., n) rad and rad/s, NaN where one is lost."""
+
+    position: Array
+    velocity: Array
+
+
+class Percepts(NamedTuple):
+    """All that an agent may know at one moment; None is what it does not see, or not freshly.
+
+    t: plant time of the newest of these [s]
+    hand: (..., 3) [m] in the world, as an external localiser sees the grip point
+    joints: the blackboard
+    base: (..., 3) x [m], y [m], heading [rad] of the platform in the world
+    goal: the piece of path in force
+    """
+
+    t: float
+    hand: Array | None = None
+    joints: Joints | None = None
+    base: Array | None = None
+    goal: Goal | None = None
+
+
+@dataclass(frozen=True)
+class Body:
+    """What an agent is born with: the robot it is part of and its place in it.
+
+    joint: index from 0 of the joint it moves, None for the platform
+    period: of the control loop [s]
+    rng: the only source of chance an agent has
+    """
+
+    robot: Robot
+    joint: int | None
+    period: float
+    rng: np.random.Generator
+
+
+class Agent(ABC):
+    """One process's whole mind: it perceives, decides and forgets what it was not given.
+
+    A constructor is `Class(body, *, parameters...)`: the keyword parameters, with their
+    annotations, are what a deployment file may set. Percepts may carry any leading batch
+    dimensions, so that one agent object decides for many robots at once in a study.
+    """
+
+    perception: str = "none"
+    """What the last decision was based on, for people to see."""
+
+    @abstractmethod
+    def decide(self, percepts: Percepts) -> Array | None:
+        """Return the velocity wanted now, or None to say nothing, which lets the body rest.
+
+        Returns: (...) rad/s for a joint; (..., 2) linear m/s and angular rad/s for a platform.
+        """
