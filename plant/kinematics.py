@@ -1,0 +1,152 @@
+"""Where the arm is when its joints stand so: forward kinematics for one arm or for thousands."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from plant.robot import Array, Robot
+
+
+class ArmPose(NamedTuple):
+    """An arm in the world.
+
+    The tip moves with `cross(axes[i], tip - points[i])` per rad/s of joint i: the columns of the
+    Jacobian matrix.
+
+    Attributes:
+        tip: (..., 3), the grip point [m].
+        rotation: (..., 3, 3), the hand's x, y and z directions as columns.
+        points: (..., n, 3), a point on each joint's axis: the origin of its frame [m].
+        axes: (..., n, 3), each joint's unit axis.
+    """
+
+    tip: Array
+    rotation: Array
+    points: Array
+    axes: Array
+
+
+class Kinematics:
+    """Forward kinematics of one robot, with all that can be known beforehand worked out once.
+
+    Each joint's frame is turned so that its axis is z. Past joint i the chain then goes on by
+    Rz(q_i) L_i with a constant L_i, whose elements are linear in 1, sin q_i and cos q_i: one matrix
+    product gives them for all joints of all arms. The base's heading is one more such angle, with
+    its axis through the origin of the base's frame.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        """Prepare for that robot."""
+        self.robot = robot
+        self._align = np.stack([np.eye(4), *(_z_onto(joint.axis) for joint in robot.joints)])
+        offsets = np.stack([*(joint.origin for joint in robot.joints), robot.tip])  # to the next
+        links = self._align.transpose(0, 2, 1) @ offsets
+        links[:-1] = links[:-1] @ self._align[1:]
+        by_cosine, by_sine = np.zeros_like(links), np.zeros_like(links)
+        by_cosine[:, :2] = links[:, :2]
+        by_sine[:, 0], by_sine[:, 1] = -links[:, 1], links[:, 0]
+        # (n + 1, 3, 16): (1, sin q, cos q) times this is Rz(q) L, row by row
+        self._links = np.stack([links - by_cosine, by_sine, by_cosine], axis=1).reshape(-1, 3, 16)
+
+    def forward(self, q: Array, base: Array | None = None) -> ArmPose:
+        """The arm at the angles `q` (..., n) [rad], in the world.
+
+        `base` is (..., 3): x, y [m], heading [rad]; None is the same as zeros. Leading dimensions
+        of the two are broadcast.
+        """
+        base = _AT_ORIGIN if base is None else base
+        n = self.robot.n
+        batch = q.shape[:-1]
+        if base.ndim > 1:
+            batch = np.broadcast_shapes(batch, base.shape[:-1])
+            q = np.broadcast_to(q, (*batch, n))
+        trig = np.empty((n + 1, q.size // n, 3))
+        angles = trig[..., 0]
+        angles[0] = base[..., 2].reshape(-1)
+        angles[1:] = q.reshape(-1, n).T
+        np.sin(angles, out=trig[..., 1])
+        np.cos(angles, out=trig[..., 2])
+        angles[:] = 1.0
+        steps = (trig @ self._links).reshape(n + 1, -1, 4, 4)
+        steps[0, :, :2, 3] += base[..., :2].reshape(-1, 2)
+        chain = np.empty_like(steps)  # each joint's aligned frame before it turns; the tip's
+        chain[0] = frame = steps[0]
+        for step, out in zip(steps[1:], chain[1:], strict=True):
+            frame = np.matmul(frame, step, out=out)
+        joints = chain[:-1].transpose(1, 0, 2, 3)
+        return ArmPose(
+            frame[:, :3, 3].reshape(*batch, 3),
+            frame[:, :3, :3].reshape(*batch, 3, 3),
+            joints[..., :3, 3].reshape(*batch, n, 3),
+            joints[..., :3, 2].reshape(*batch, n, 3),
+        )
+
+    def frames(self, q: Array, base: Array | None = None) -> Array:
+        """(..., n + 1, 4, 4): the base's frame and each joint's frame in the world.
+
+        A joint's frame is turned by its angle; `Shape.frame` counts these. Arguments as in
+        `forward`.
+        """
+        base = np.zeros(3) if base is None else base
+        batch = np.broadcast_shapes(q.shape[:-1], base.shape[:-1])
+        angles = np.empty((*batch, self.robot.n + 1))
+        angles[..., 0], angles[..., 1:] = base[..., 2], q
+        turns = self._align @ _about_z(angles) @ self._align.transpose(0, 2, 1)
+        turns[..., 0, :2, 3] = base[..., :2]
+        for i, joint in enumerate(self.robot.joints):
+            turns[..., i + 1, :, :] = turns[..., i, :, :] @ joint.origin @ turns[..., i + 1, :, :]
+        return turns
+
+
+def quaternion(rotation: Array) -> Array:
+    """(..., 4) unit quaternions x, y, z, w with w >= 0 of the rotation matrices (..., 3, 3).
+
+    Each column of the symmetric matrix 4 q q^T, whose elements are sums of those of the rotation,
+    is a multiple of q; the one with the largest diagonal element is the most exact.
+    """
+    outer = rotation.reshape(*rotation.shape[:-2], 9) @ _OUTER + _UNIT_OUTER
+    best = outer[..., ::5].argmax(axis=-1)[..., None]
+    outer = outer.reshape(*rotation.shape[:-2], 4, 4)
+    column = np.take_along_axis(outer, best[..., None], axis=-2)[..., 0, :]
+    length = np.sqrt(np.einsum("...i,...i->...", column, column))
+    unit: Array = column / np.copysign(length, column[..., 3])[..., None]
+    return unit
+
+
+def _outer_from_rotation() -> Array:
+    """(9, 16), the part of 4 q q^T that is linear in the rotation matrix, both row by row."""
+    linear = np.zeros((3, 3, 4, 4))
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        linear[i, i] -= np.eye(4)
+        linear[i, i, i, i] += 2.0  # 4 qi qi = 1 + Rii - Rjj - Rkk
+        linear[i, i, 3, 3] += 2.0  # 4 w w = 1 + Rii + Rjj + Rkk
+        linear[i, j, i, j] = linear[i, j, j, i] = 1.0  # 4 qi qj = Rij + Rji
+        linear[j, i, i, j] = linear[j, i, j, i] = 1.0
+        linear[k, j, i, 3] = linear[k, j, 3, i] = 1.0  # 4 qi w = Rkj - Rjk
+        linear[j, k, i, 3] = linear[j, k, 3, i] = -1.0
+    return linear.reshape(9, 16)
+
+
+_OUTER = _outer_from_rotation()
+_UNIT_OUTER = np.eye(4).reshape(16)
+_AT_ORIGIN = np.zeros(3)
+
+
+def _about_z(angle: Array) -> Array:
+    """(..., 4, 4), a turn about z."""
+    turn = np.zeros((*angle.shape, 4, 4))
+    turn[..., 0, 0] = turn[..., 1, 1] = np.cos(angle)
+    turn[..., 1, 0] = np.sin(angle)
+    turn[..., 0, 1] = -turn[..., 1, 0]
+    turn[..., 2, 2] = turn[..., 3, 3] = 1.0
+    return turn
+
+
+def _z_onto(axis: Array) -> Array:
+    """(4, 4), a turn that takes z to the unit vector `axis`."""
+    turn = np.eye(4)
+    x = np.cross(np.eye(3)[1 if abs(axis[1]) < 0.9 else 2], axis)
+    x /= np.linalg.norm(x)
+    turn[:3, :3] = np.stack([x, np.cross(axis, x), axis], axis=1)
+    return turn
