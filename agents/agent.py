@@ -7,9 +7,14 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from plant.errors import MsmaError
 from plant.robot import Robot
 
 Array = npt.NDArray[np.float64]
+
+
+class AgentError(MsmaError, ValueError):
+    """An agent that cannot be made so: it says which parameter is wrong and what would do."""
 
 
 class Goal(NamedTuple):
@@ -32,7 +37,7 @@ class Goal(NamedTuple):
 
 
 class Joints(NamedTuple):
-    """What the encoders say, the paper's blackboard: (..., n) rad and rad/s, NaN where one is lost."""
+    """The blackboard of the paper: what the encoders say, (..., n) rad and rad/s, NaN if lost."""
 
     position: Array
     velocity: Array

@@ -1,0 +1,123 @@
+"""The agents of the arm's joints."""
+
+from typing import Annotated, Literal
+
+import numpy as np
+
+from agents.agent import Agent, AgentError, Array, Body, Percepts
+from agents.laws import Law, LineByEye, LineByModel, StepByEye, StepByModel
+from agents.sight import Perception, Sight
+
+
+class JointAgent(Agent):
+    """A joint that only tries to bring the hand nearer the goal (paper, section 3.1).
+
+    What it does not do: know the other joints' agents, plan, or ask whether it moves anything.
+    """
+
+    def __init__(
+        self,
+        body: Body,
+        *,
+        law: Literal["line", "fixed-step"] = "line",
+        perception: Perception = "auto",
+        gain: float = 0.45,
+        horizon: Annotated[float, "s"] = 0.12,
+        memory: Annotated[float, "s"] = 1.5,
+        step: Annotated[float, "rad"] = np.deg2rad(1.0),
+    ) -> None:
+        """Become the agent of one joint.
+
+        law: relaxed line minimisation (`LineByModel`, `LineByEye`) or the paper's fixed step
+        perception: see `Sight`
+        gain: of `line`, with a model: share of the best turn made, to begin with; it adapts
+        horizon: of `line`: how far ahead it looks [s]; at least one and a half control periods
+        memory: of `line`, with a model: time in which a motion that nothing asks for dies [s]
+        step: of `fixed-step` [rad] a control period
+
+        Raises `AgentError` when a value is out of its range.
+        """
+        for name, value in (("horizon", horizon), ("memory", memory), ("step", step)):
+            if not value > 0:
+                raise AgentError(f"{name}: {value:g} must be positive")
+        if not 0 < gain <= 1:
+            raise AgentError(f"gain: {gain:g} must be above 0 and at most 1")
+        self._joint = joint_of(body)
+        self._top_speed = float(body.robot.max_speed[self._joint])
+        self._sight = Sight(body, perception)
+        horizon = max(horizon, 1.5 * body.period)
+        self._by_model: Law
+        self._by_eye: Law
+        if law == "line":
+            self._by_model = LineByModel(
+                self._joint, gain=gain, horizon=horizon, memory=memory, period=body.period
+            )
+            self._by_eye = LineByEye(body, horizon=horizon, top_speed=self._top_speed)
+        else:
+            speed = step / body.period
+            self._by_model = StepByModel(self._joint, speed=speed, period=body.period)
+            self._by_eye = StepByEye(speed)
+
+    def decide(self, percepts: Percepts) -> Array | None:
+        """Return the joint's velocity (...) [rad/s]; None without a goal or a sight of the hand."""
+        view = self._sight.see(percepts)
+        if view is None or percepts.goal is None:
+            self.perception = "none"
+            return None
+        everywhere = bool(view.modelled.all())
+        self.perception = "blackboard" if everywhere else "localiser"
+        t, goal = percepts.t, percepts.goal
+        own_speed = None if percepts.joints is None else percepts.joints.velocity[..., self._joint]
+        if everywhere:
+            velocity = self._by_model.velocity(t, view, own_speed, goal)
+        else:
+            velocity = self._by_eye.velocity(t, view, own_speed, goal)
+            if view.modelled.any():
+                by_model = self._by_model.velocity(t, view, own_speed, goal)
+                velocity = np.where(view.modelled, by_model, velocity)
+        limited: Array = np.minimum(np.maximum(velocity, -self._top_speed), self._top_speed)
+        return limited
+
+
+class HoldAgent(Agent):
+    """A joint that keeps the angle it started with, as the hand's three do in the paper's task."""
+
+    def __init__(
+        self,
+        body: Body,
+        *,
+        angle: Annotated[float, "rad"] | None = None,
+        rate: Annotated[float, "Hz"] = 2.0,
+    ) -> None:
+        """Keep `angle` [rad], or else the first that its encoder shows.
+
+        rate: share of a deviation that is made good in a second [1/s]; at most one a period.
+        Raises `AgentError` when it is not positive.
+        """
+        if not rate > 0:
+            raise AgentError(f"rate: {rate:g} must be positive")
+        self._joint = joint_of(body)
+        self._angle: Array | None = None if angle is None else np.array(angle)
+        self._rate = min(rate, 1 / body.period)
+
+    def decide(self, percepts: Percepts) -> Array | None:
+        """Return the joint's velocity (...) [rad/s]; None when its encoder is not heard."""
+        if percepts.joints is None:
+            self.perception = "none"
+            return None
+        seen = percepts.joints.position[..., self._joint]
+        if np.isnan(seen).any():
+            self.perception = "none"
+            return None
+        self.perception = "blackboard"
+        if self._angle is None:
+            self._angle = seen
+        velocity: Array = self._rate * (self._angle - seen)
+        return velocity
+
+
+def joint_of(body: Body) -> int:
+    """Return the index of the joint that the body gives; `AgentError` if it gives none."""
+    if body.joint is None:
+        raise AgentError("the agent of a joint takes a role joint/N")
+    return body.joint

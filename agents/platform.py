@@ -1,0 +1,222 @@
+"""The agent of the mobile platform."""
+
+from typing import Annotated, NamedTuple
+
+import numpy as np
+
+from agents.adaptation import EagerGain, SeenVelocity
+from agents.agent import Agent, AgentError, Array, Body, Goal, Percepts
+from agents.deadlock import Deadlock
+from agents.sight import Perception, Sight
+from agents.turning import best_turn, wrapped
+from plant.kinematics import Kinematics
+from plant.robot import Drive
+
+UP = np.array([0.0, 0.0, 1.0])
+
+
+class Scene(NamedTuple):
+    """What the platform sees at one moment, in the world.
+
+    hand, missing: (..., 3) [m], where the hand is and the way from it to the goal
+    place: (..., 3) [m] of the platform, on the floor; heading: (...) [rad]; ahead: its direction
+    linear, angular: (...) [m/s], [rad/s], its own speeds
+    travel: (..., 2) [m/s], which way the hand has to go, seen from above
+    """
+
+    hand: Array
+    missing: Array
+    place: Array
+    heading: Array
+    ahead: Array
+    linear: Array
+    angular: Array
+    travel: Array
+
+
+class PlatformAgent(Agent):
+    """The platform under the arm: a hybrid agent (paper, sections 4.1 and 5).
+
+    Its behaviours, the highest first:
+
+    1. *Bring the hand nearer*, as the joints do: it drives and turns on as it does, corrected by
+       a share of what would bring the hand closest to the goal a moment ahead. What the arm can
+       not reach is reached all the same.
+    2. *Go forward only*: the sensors that keep it off people and furniture look ahead.
+    3. *Line up*, weakly: turn to where the hand travels and to where the arm points, and keep the
+       arm at a comfortable reach, as a person walks up to a book instead of stretching for it.
+       This is bounded in acceleration, so that it never costs the hand more than a millimetre or
+       so, and the person beside the robot sees smooth, foreseeable moves.
+    4. *Leave deadlocks*: when it turns and the arm turns back, and the hand gets no nearer, it
+       stands still for a cycle and lets the arm go first (`Deadlock`).
+    """
+
+    def __init__(
+        self,
+        body: Body,
+        *,
+        perception: Perception = "auto",
+        gain: float = 0.35,
+        horizon: Annotated[float, "s"] = 0.12,
+        reach: float = 0.67,
+        bearing: Annotated[float, "rad"] = 0.0,
+        hurry: float = 0.6,
+        turning: float = 0.25,
+        ease_linear: Annotated[float, "m/s2"] = 0.014,
+        ease_angular: Annotated[float, "rad/s2"] = 0.08,
+    ) -> None:
+        """Become the agent of the platform.
+
+        perception: see `Sight`
+        gain: share of the best correction that it makes, to begin with; it adapts (0 to 1)
+        horizon: how far ahead it looks [s]; at least one and a half control periods are taken
+        reach: comfortable distance of the hand from the arm's root, as a share of the arm's length
+        bearing: of the hand as seen from the arm's root when the two are lined up [rad]
+        hurry: speed towards a comfortable reach for each metre off it [1/s]
+        turning: speed towards being lined up for each radian off it [1/s]
+        ease_linear, ease_angular: bounds on what lining up may change [m/s2], [rad/s2]
+
+        Raises `AgentError` when a value is out of its range or the robot has no platform.
+        """
+        if not 0 < gain <= 1:
+            raise AgentError(f"gain: {gain:g} must be above 0 and at most 1")
+        for name, value in (("horizon", horizon), ("reach", reach)):
+            if not value > 0:
+                raise AgentError(f"{name}: {value:g} must be positive")
+        for name, value in (
+            ("hurry", hurry),
+            ("turning", turning),
+            ("ease_linear", ease_linear),
+            ("ease_angular", ease_angular),
+        ):
+            if value < 0:
+                raise AgentError(f"{name}: {value:g} must not be negative")
+        self._drive = drive_of(body)
+        self._sight = Sight(body, perception)
+        self._horizon = max(horizon, 1.5 * body.period)
+        self._advancing = EagerGain(gain, max(gain, 0.85))
+        self._turning = EagerGain(gain, max(gain, 0.85))
+        self._root, length = _root_and_length(body)
+        self._reach = reach * length
+        self._bearing = bearing
+        self._hurry, self._align = hurry, turning
+        self._ease_linear = ease_linear * body.period
+        self._ease_angular = ease_angular * body.period
+        self._hand_motion, self._base_motion = SeenVelocity(), SeenVelocity()
+        self._heading: Array | None = None
+        self._deadlock = Deadlock()
+
+    def decide(self, percepts: Percepts) -> Array | None:
+        """Return the speeds (..., 2): linear [m/s], never negative, and angular [rad/s].
+
+        None without a goal, a sight of the hand or one of itself.
+        """
+        view = self._sight.see(percepts)
+        if view is None or percepts.goal is None or percepts.base is None:
+            self.perception = "none"
+            return None
+        self.perception = "blackboard" if view.modelled.all() else "localiser"
+        scene = self._scene(percepts.t, view.hand, percepts.base, percepts.goal)
+        linear, angular = self._bring_nearer(percepts.t, scene, percepts.goal)
+        comfort_linear, comfort_angular = self._comfort(scene)
+        linear = linear + _within(comfort_linear - scene.linear, self._ease_linear)
+        angular = angular + _within(comfort_angular - scene.angular, self._ease_angular)
+        waiting = self._deadlock.waiting(percepts.t, scene.missing, scene.angular)
+        speeds: Array = np.stack(
+            [
+                np.where(waiting, 0.0, np.minimum(np.maximum(linear, 0.0), self._drive.max_linear)),
+                np.where(waiting, 0.0, _within(angular, self._drive.max_angular)),
+            ],
+            axis=-1,
+        )
+        return speeds
+
+    def _scene(self, t: float, hand: Array, base: Array, goal: Goal) -> Scene:
+        heading = base[..., 2]
+        if self._heading is not None and np.shape(self._heading) == np.shape(heading):
+            heading = self._heading + wrapped(heading - self._heading)
+        self._heading = heading
+        place = np.stack([base[..., 0], base[..., 1], np.zeros_like(heading)], axis=-1)
+        ahead = np.stack([np.cos(heading), np.sin(heading), np.zeros_like(heading)], axis=-1)
+        motion = self._base_motion.after(
+            t, np.concatenate([base[..., :2], heading[..., None]], axis=-1)
+        )
+        if motion is None:
+            motion = np.zeros_like(place)
+        missing = goal.at(t) - hand
+        moving = goal.velocity if goal.since <= t < goal.until else np.zeros_like(goal.velocity)
+        return Scene(
+            hand=hand,
+            missing=missing,
+            place=place,
+            heading=heading,
+            ahead=ahead,
+            linear=(motion[..., :2] * ahead[..., :2]).sum(axis=-1),
+            angular=motion[..., 2],
+            travel=moving[..., :2] + missing[..., :2],  # [m/s] and [m] to be made in a second
+        )
+
+    def _bring_nearer(self, t: float, scene: Scene, goal: Goal) -> tuple[Array, Array]:
+        """Return the speeds that serve the hand: its own, corrected (section 3.1)."""
+        drift = self._hand_motion.after(t, scene.hand)
+        hand = scene.hand if drift is None else scene.hand + drift * self._horizon
+        place = goal.at(t + self._horizon)
+        advance = ((place - hand) * scene.ahead).sum(axis=-1)
+        turn = best_turn(hand, place, scene.place, UP)
+        return (
+            scene.linear + self._advancing.after(advance) * advance / self._horizon,
+            scene.angular + self._turning.after(turn) * turn / self._horizon,
+        )
+
+    def _comfort(self, scene: Scene) -> tuple[Array, Array]:
+        """Return the speeds at which platform, arm and travel would come to be lined up."""
+        along, across = scene.ahead[..., 0], scene.ahead[..., 1]
+        x, y, z = self._root
+        root = scene.place + np.stack(
+            [along * x - across * y, across * x + along * y, np.full_like(along, z)], axis=-1
+        )
+        arm = scene.hand - root
+        bearing = np.arctan2(arm[..., 1], arm[..., 0]) - scene.heading - self._bearing
+        off_reach = np.sqrt((arm * arm).sum(axis=-1)) - self._reach
+        speed = np.sqrt((scene.travel**2).sum(axis=-1))
+        course = np.arctan2(scene.travel[..., 1], scene.travel[..., 0]) - scene.heading
+        weight = np.minimum(speed / COURSE_SPEED, 1.0)
+        turn = np.arctan2(
+            weight * np.sin(course) + ARM_WEIGHT * np.sin(bearing),
+            weight * np.cos(course) + ARM_WEIGHT * np.cos(bearing),
+        )
+        linear = speed * weight * np.cos(course) + self._hurry * off_reach * np.cos(bearing)
+        limited = np.minimum(np.maximum(linear, 0.0), self._drive.max_linear)
+        return limited, self._align * turn
+
+
+COURSE_SPEED = 0.05  # [m/s] from which the way the hand has to go counts in full
+ARM_WEIGHT = 0.4  # of where the arm points, beside where the hand has to go
+
+
+def _within(value: Array, bound: float) -> Array:
+    limited: Array = np.minimum(np.maximum(value, -bound), bound)
+    return limited
+
+
+def drive_of(body: Body) -> Drive:
+    """Return the drive of the body; `AgentError` if it has none or it is a joint's."""
+    if body.robot.drive is None:
+        raise AgentError(f"robot {body.robot.name!r} has no platform to be the agent of")
+    if body.joint is not None:
+        raise AgentError("the agent of a platform takes the role platform")
+    return body.robot.drive
+
+
+def _root_and_length(body: Body) -> tuple[Array, float]:
+    """Return where the arm's root is in the platform's frame (3,) [m], and the arm's length [m].
+
+    The root is on the first joint's axis, at the height of the second; the length is that of the
+    way along the joints from there to the grip point.
+    """
+    arm = Kinematics(body.robot).forward(np.zeros(body.robot.n))
+    first, axis = arm.points[0], arm.axes[0]
+    second = arm.points[1] if body.robot.n > 1 else arm.tip
+    root: Array = first + axis * (axis @ (second - first))
+    chain = np.concatenate([root[None], arm.points[1:], arm.tip[None]])
+    return root, float(np.sqrt((np.diff(chain, axis=0) ** 2).sum(axis=-1)).sum())

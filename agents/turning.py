@@ -1,0 +1,47 @@
+"""Turning about one axis: which way, and how far, brings the hand nearest the goal."""
+
+import numpy as np
+
+from agents.agent import Array
+
+
+def best_turn(tip: Array, goal: Array, point: Array, axis: Array) -> Array:
+    """Return the turn about an axis that brings `tip` closest to `goal`, exactly.
+
+    With r and s the parts of tip - point and goal - point square to the unit axis a, it is
+    atan2(a . (r x s), r . s). Its sign is the "good direction" of the paper, section 3.1. No
+    inverse kinematics: one joint, one circle, the nearest point on it.
+
+    tip, goal, point, axis: (..., 3) [m], one frame. Returns (...) [rad], within -pi to pi.
+    """
+    rx, ry, rz = _parts(tip - point)
+    sx, sy, sz = _parts(goal - point)
+    ax, ay, az = _parts(axis)
+    turning = ax * (ry * sz - rz * sy) + ay * (rz * sx - rx * sz) + az * (rx * sy - ry * sx)
+    along_r = ax * rx + ay * ry + az * rz
+    along_s = ax * sx + ay * sy + az * sz
+    angle: Array = np.arctan2(turning, rx * sx + ry * sy + rz * sz - along_r * along_s)
+    return angle
+
+
+def turned(tip: Array, point: Array, axis: Array, angle: float) -> Array:
+    """Return where `tip` comes to when it is turned by `angle` [rad] about an axis: (..., 3) [m].
+
+    Rodrigues' formula; tip, point and unit axis are (..., 3) in one frame.
+    """
+    arm = tip - point
+    along = (axis * arm).sum(axis=-1, keepdims=True) * axis
+    moved: Array = (
+        point + along + np.cos(angle) * (arm - along) + np.sin(angle) * np.cross(axis, arm)
+    )
+    return moved
+
+
+def wrapped(angle: Array) -> Array:
+    """Return the same direction within -pi to pi: (...) [rad]."""
+    turned: Array = np.arctan2(np.sin(angle), np.cos(angle))
+    return turned
+
+
+def _parts(vector: Array) -> tuple[Array, Array, Array]:
+    return vector[..., 0], vector[..., 1], vector[..., 2]
