@@ -67,12 +67,11 @@ class Kinematics:
         np.sin(angles, out=trig[..., 1])
         np.cos(angles, out=trig[..., 2])
         angles[:] = 1.0
-        steps = (trig @ self._links).reshape(n + 1, -1, 4, 4)
-        steps[0, :, :2, 3] += base[..., :2].reshape(-1, 2)
-        chain = np.empty_like(steps)  # each joint's aligned frame before it turns; the tip's
-        chain[0] = frame = steps[0]
-        for step, out in zip(steps[1:], chain[1:], strict=True):
-            frame = np.matmul(frame, step, out=out)
+        chain = (trig @ self._links).reshape(n + 1, -1, 4, 4)
+        chain[0, :, :2, 3] += base[..., :2].reshape(-1, 2)
+        frame = chain[0]
+        for link in chain[1:]:  # each becomes a joint's aligned frame before it turns; the tip's
+            frame = np.matmul(frame, link, out=link)
         joints = chain[:-1].transpose(1, 0, 2, 3)
         return ArmPose(
             frame[:, :3, 3].reshape(*batch, 3),

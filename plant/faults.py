@@ -1,0 +1,183 @@
+"""What can break in a robot, and how one says so: `joint/2:locked`, `encoder/1:biased=5deg`."""
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from plant.errors import MsmaError
+from plant.robot import Robot
+from plant.units import Unit, UnitError, parse_quantity
+
+
+class FaultError(MsmaError, ValueError):
+    """A fault that there is not, or that this robot cannot have; the message says what is valid."""
+
+
+class _Value(NamedTuple):
+    """The value that a kind of fault takes."""
+
+    unit: Unit
+    default: float | None  # SI; None: it may be left out, and that means something of its own
+    low: float  # SI
+    high: float  # SI
+
+
+_TURN = 2.0 * math.pi
+_SHARE = (0.0, 1.0)
+_KINDS: dict[str, dict[str, _Value | None]] = {
+    "joint": {
+        "locked": _Value("rad", None, -_TURN, _TURN),
+        "limp": None,
+        "weak": _Value("1", 0.5, *_SHARE),
+        "runaway": _Value("1", 0.2, *_SHARE),
+        "ok": None,
+    },
+    "encoder": {
+        "stuck": None,
+        "lost": None,
+        "biased": _Value("rad", math.radians(5.0), -_TURN, _TURN),
+        "noisy": _Value("rad", math.radians(0.5), 0.0, _TURN),
+        "ok": None,
+    },
+    "localiser": {
+        "lost": None,
+        "noisy": _Value("m", 0.001, 0.0, 1.0),
+        "late": _Value("s", 0.1, 0.0, 10.0),
+        "ok": None,
+    },
+    "platform": {"locked": None, "weak": _Value("1", 0.5, *_SHARE), "ok": None},
+}
+_WRITTEN: dict[Unit, tuple[str, float]] = {  # the unit people write, and how much of it one SI is
+    "rad": ("deg", 180.0 / math.pi),
+    "m": ("mm", 1e3),
+    "s": ("ms", 1e3),
+    "1": ("", 1.0),
+}
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One thing that is broken from now on; a later fault of the same target takes its place.
+
+    | text | meaning |
+    | --- | --- |
+    | `joint/N:locked` | brakes and stays where it is |
+    | `joint/N:locked=60deg` | runs there within its limits, then stays |
+    | `joint/N:limp` | no motor: gravity pulls it, friction damps it; a vertical axis just stops |
+    | `joint/N:weak=0.5` | turns at that share of the speed it is told |
+    | `joint/N:runaway=0.2` | turns at random up to that share of its full speed, told or not |
+    | `encoder/N:stuck` | goes on telling the angle of this moment, at rest |
+    | `encoder/N:lost` | tells nothing (NaN) |
+    | `encoder/N:biased=5deg` | tells an angle too large by that |
+    | `encoder/N:noisy=0.5deg` | tells an angle with noise of that standard deviation |
+    | `localiser:lost` | tells nothing |
+    | `localiser:noisy=1mm` | tells a position with such noise along each axis |
+    | `localiser:late=100ms` | tells what was so long ago |
+    | `platform:locked` | brakes and stays |
+    | `platform:weak=0.5` | moves at that share of the speeds it is told |
+    | any target, `:ok` | is whole again |
+
+    Attributes:
+        target: `joint/N` and `encoder/N` (N from 1), `localiser` or `platform`.
+        kind: As in the table.
+        value: In SI; None for a kind that takes none and for `locked` where it is.
+    """
+
+    target: str
+    kind: str
+    value: float | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse what is no fault of any robot, with `FaultError`."""
+        part, _, number = self.target.partition("/")
+        numbered = part in ("joint", "encoder")
+        if part not in _KINDS or numbered != number.isdecimal() or (number and not numbered):
+            raise FaultError(
+                f"there is no part {self.target!r} to be at fault; "
+                "valid are joint/N, encoder/N, localiser, platform"
+            )
+        if self.kind not in _KINDS[part]:
+            valid = ", ".join(_KINDS[part])
+            raise FaultError(f"{part} has no fault {self.kind!r}; valid are {valid}")
+        takes = _KINDS[part][self.kind]
+        if self.value is None:
+            if takes is not None and takes.default is not None:
+                object.__setattr__(self, "value", takes.default)
+        elif takes is None:
+            raise FaultError(f"{self.target}:{self.kind} takes no value")
+        elif takes.low <= self.value <= takes.high:
+            object.__setattr__(self, "value", float(self.value))
+        else:
+            low, high = (_written(bound, takes.unit) for bound in (takes.low, takes.high))
+            raise FaultError(
+                f"{self.target}:{self.kind}={_written(self.value, takes.unit)} "
+                f"is out of range; valid are {low} to {high}"
+            )
+
+    @classmethod
+    def parse(cls, text: str, robot: Robot) -> "Fault":
+        """Read `TARGET:KIND[=VALUE]` for that robot.
+
+        A value carries its unit, such as 60deg, 1mm, 100ms; one without is SI.
+        Raises `FaultError`.
+        """
+        head, equals, written = text.strip().partition("=")
+        target, colon, kind = (word.strip() for word in head.partition(":"))
+        if not colon:
+            raise FaultError(f"{text!r} is no fault; write TARGET:KIND, such as joint/2:locked")
+        fault = cls(target, kind)  # refuses what there is not, before its value is looked at
+        if equals:
+            takes = _KINDS[fault.part][kind]
+            if takes is None:
+                raise FaultError(f"{text!r}: {target}:{kind} takes no value")
+            try:
+                fault = cls(target, kind, parse_quantity(written, takes.unit))
+            except UnitError as error:
+                raise FaultError(f"{text!r}: {error}") from error
+        fault.check(robot)
+        return fault
+
+    @property
+    def part(self) -> str:
+        """`joint`, `encoder`, `localiser` or `platform`."""
+        return self.target.partition("/")[0]
+
+    @property
+    def index(self) -> int:
+        """Of the joint, counting from 0; -1 for the localiser and the platform."""
+        return int(self.target.partition("/")[2] or 0) - 1
+
+    def check(self, robot: Robot) -> None:
+        """Raise `FaultError` when that robot cannot have this fault."""
+        if self.part == "platform" and robot.drive is None:
+            raise FaultError(f"{self}: robot '{robot.name}' has no platform")
+        if self.part not in ("joint", "encoder"):
+            return
+        if not 0 <= self.index < robot.n:
+            raise FaultError(
+                f"{self}: robot '{robot.name}' has no {self.target}; "
+                f"valid are {self.part}/1 to {self.part}/{robot.n}"
+            )
+        joint = robot.joints[self.index]
+        angle = self.value if self.kind == "locked" else None
+        if angle is not None and not joint.lower <= angle <= joint.upper:
+            low, high = (_written(bound, "rad") for bound in (joint.lower, joint.upper))
+            raise FaultError(
+                f"{self}: joint '{joint.name}' cannot get there; valid are {low} to {high}"
+            )
+
+    def __str__(self) -> str:
+        """The text that `parse` reads."""
+        takes = _KINDS[self.part][self.kind]
+        if self.value is None or takes is None:
+            return f"{self.target}:{self.kind}"
+        return f"{self.target}:{self.kind}={_written(self.value, takes.unit)}"
+
+
+def _written(value: float, unit: Unit) -> str:
+    """The value in the unit people write, if that reads back as exactly the same; else in SI."""
+    name, per_si = _WRITTEN[unit]
+    text = f"{value * per_si:.10g}{name}"
+    if not math.isfinite(value) or parse_quantity(text, unit) == value:
+        return text
+    return f"{value!r}{unit if unit != '1' else ''}"

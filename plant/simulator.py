@@ -1,0 +1,133 @@
+"""A simulated robot, or a batch of equal ones: it moves as told, within its limits and faults."""
+
+import math
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import numpy as np
+
+from plant.effects import Effects, Encoders, Sighting
+from plant.faults import Fault
+from plant.kinematics import ArmPose, Kinematics, quaternion
+from plant.motion import Commands, State, step
+from plant.robot import Array, Robot, RobotError
+
+
+class Hand(NamedTuple):
+    """Where the hand truly is, in the world.
+
+    Attributes:
+        position: (..., 3), the grip point [m].
+        rotation: (..., 3, 3), the hand's x, y and z directions as columns.
+    """
+
+    position: Array
+    rotation: Array
+
+
+class Simulator:
+    """The robot, stepped at a fixed period; leading dimensions of the start are a batch of robots.
+
+    Every robot of a batch has the same faults, with random numbers of its own.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        q: Array,
+        base: Array | None = None,
+        *,
+        period: float,
+        faults: Iterable[Fault] = (),
+        rng: np.random.Generator | None = None,
+    ) -> None:
+        """Begin at rest, at time 0.
+
+        `q` is (..., n) [rad]; `base` (..., 3), x, y [m] and heading [rad], zeros when None; the
+        `period` is in seconds. Random faults draw from `rng`, by default one of a fixed seed.
+        Raises `RobotError` for a start that the robot cannot have, `FaultError` for such faults.
+        """
+        q = np.array(q, dtype=np.float64)
+        base = np.zeros(3) if base is None else np.asarray(base, dtype=np.float64)
+        if q.ndim < 1 or q.shape[-1] != robot.n or base.ndim < 1 or base.shape[-1] != 3:
+            raise RobotError(
+                f"a start of shapes {q.shape} and {base.shape} does not fit robot '{robot.name}'; "
+                f"it wants (..., {robot.n}) joint angles and (..., 3) for the base"
+            )
+        if not 0.0 < period < math.inf:
+            raise RobotError(f"a period of {period} s; it must be positive and finite")
+        if not np.isfinite(base).all():
+            raise RobotError(f"a start of the base at {base}; it must be finite")
+        _check_ranges(robot, q)
+        batch = np.broadcast_shapes(q.shape[:-1], base.shape[:-1])
+        self.robot, self.period = robot, period
+        self._kinematics = Kinematics(robot)
+        self._state = State(
+            0.0,
+            np.broadcast_to(q, (*batch, robot.n)).copy(),
+            np.zeros((*batch, robot.n)),
+            np.broadcast_to(base, (*batch, 3)).copy(),
+            np.zeros((*batch, 2)),
+        )
+        self._arm: ArmPose | None = None
+        self._effects = Effects(robot, period, np.random.default_rng(0) if rng is None else rng)
+        for fault in faults:
+            self.inject(fault)
+
+    @property
+    def state(self) -> State:
+        """The truth now; its arrays are never written to again."""
+        return self._state
+
+    @property
+    def faults(self) -> tuple[Fault, ...]:
+        """The faults that there are now."""
+        return self._effects.faults
+
+    def inject(self, fault: Fault) -> None:
+        """Let a fault begin now, or end with kind `ok`. Raises `FaultError` for another robot's."""
+        self._effects.inject(fault, self._state, self._sighting)
+
+    def step(self, commands: Commands) -> State:
+        """Move for one period; the commands are finite and (..., n), (..., 2) or fewer leading."""
+        commands = self._effects.on_motors(commands, self._state, self.arm)
+        self._state = step(self.robot, self._state, commands, self.period)
+        self._arm = None
+        self._effects.after_step(self._sighting)
+        return self._state
+
+    def arm(self) -> ArmPose:
+        """Where the whole arm truly is, in the world."""
+        if self._arm is None:
+            self._arm = self._kinematics.forward(self._state.q, self._state.base)
+        return self._arm
+
+    def hand(self) -> Hand:
+        """Where the hand truly is."""
+        arm = self.arm()
+        return Hand(arm.tip, arm.rotation)
+
+    def encoders(self) -> Encoders:
+        """What the encoders tell: NaN where one is lost."""
+        return self._effects.on_encoders(self._state)
+
+    def localiser(self) -> Sighting | None:
+        """What the localiser tells of the hand: nothing when it is lost."""
+        return self._effects.on_localiser(self._sighting)
+
+    def _sighting(self) -> Sighting:
+        arm = self.arm()
+        return Sighting(arm.tip, quaternion(arm.rotation))
+
+
+def _check_ranges(robot: Robot, q: Array) -> None:
+    """Raise `RobotError` for an angle that a joint cannot have."""
+    for number, joint in enumerate(robot.joints, 1):
+        angles = q[..., number - 1]
+        bad = angles[~(np.isfinite(angles) & (angles >= joint.lower) & (angles <= joint.upper))]
+        if bad.size:
+            first, low, high = np.degrees([bad[0], joint.lower, joint.upper])
+            raise RobotError(
+                f"joint {number} '{joint.name}' cannot start at {first:.6g} deg; "
+                f"its range is {low:.6g} to {high:.6g} deg"
+            )
