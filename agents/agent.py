@@ -35,6 +35,14 @@ class Goal(NamedTuple):
         moving = min(max(t, self.since), self.until) - self.since
         return self.position + self.velocity * moving
 
+    def velocity_at(self, t: float) -> Array:
+        """How fast the goal moves at plant time `t` [s]: (..., 3) [m/s]."""
+        return self.velocity if self.since <= t < self.until else np.zeros_like(self.velocity)
+
+    def ahead(self, t: float, horizon: float) -> Array:
+        """Where the goal would be `horizon` [s] after `t` if it went on as it does at `t`."""
+        return self.at(t) + self.velocity_at(t) * horizon
+
 
 class Joints(NamedTuple):
     """The blackboard of the paper: what the encoders say, (..., n) rad and rad/s, NaN if lost."""

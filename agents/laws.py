@@ -52,7 +52,7 @@ class LineByModel(Law):
         ahead = hand if drift is None else hand + drift * self._horizon
         turn = best_turn(
             ahead,
-            goal.at(t + self._horizon),
+            goal.ahead(t, self._horizon),
             view.arm.points[..., self._joint, :],
             view.arm.axes[..., self._joint, :],
         )
@@ -101,7 +101,7 @@ class LineByEye(Law):
         drift = self._seen.after(t, view.hand)
         self._learn(drift, elapsed)
         ahead = view.hand if drift is None else view.hand + drift * self._horizon
-        will = self._decide(goal.at(t + self._horizon) - ahead, goal.at(t) - view.hand, elapsed)
+        will = self._decide(goal.ahead(t, self._horizon) - ahead, goal.at(t) - view.hand, elapsed)
         self._t, self._drift = t, drift
         self._will, self._will_before = will, self._will
         return will

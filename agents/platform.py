@@ -144,7 +144,6 @@ class PlatformAgent(Agent):
         if motion is None:
             motion = np.zeros_like(place)
         missing = goal.at(t) - hand
-        moving = goal.velocity if goal.since <= t < goal.until else np.zeros_like(goal.velocity)
         return Scene(
             hand=hand,
             missing=missing,
@@ -153,14 +152,15 @@ class PlatformAgent(Agent):
             ahead=ahead,
             linear=(motion[..., :2] * ahead[..., :2]).sum(axis=-1),
             angular=motion[..., 2],
-            travel=moving[..., :2] + missing[..., :2],  # [m/s] and [m] to be made in a second
+            # what is missing is to be made good in a second, so its metres add as metres a second
+            travel=goal.velocity_at(t)[..., :2] + missing[..., :2],
         )
 
     def _bring_nearer(self, t: float, scene: Scene, goal: Goal) -> tuple[Array, Array]:
         """Return the speeds that serve the hand: its own, corrected (section 3.1)."""
         drift = self._hand_motion.after(t, scene.hand)
         hand = scene.hand if drift is None else scene.hand + drift * self._horizon
-        place = goal.at(t + self._horizon)
+        place = goal.ahead(t, self._horizon)
         advance = ((place - hand) * scene.ahead).sum(axis=-1)
         turn = best_turn(hand, place, scene.place, UP)
         return (

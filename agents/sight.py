@@ -32,8 +32,9 @@ class Sight:
     is not or does not. What is compared is where the hand is said to be: nothing asks what works.
     """
 
-    DISAGREEMENT = 0.02  # [m] lasting difference between the two above which the eye is believed
-    LASTING = 0.5  # [s] over which differences are averaged, so that noise and lag are not one
+    LASTING = 0.5  # [s] over which differences are averaged
+    SAME = 0.002  # [m] a lasting difference up to which the two tell the same
+    SPREADS = 4.0  # standard deviations of the average that may be chance, on top of that
 
     def __init__(self, body: Body, perception: Perception) -> None:
         """See as one part of that body."""
@@ -41,6 +42,7 @@ class Sight:
         self._kinematics = Kinematics(body.robot)
         self._mobile = body.robot.drive is not None
         self._difference: Array = np.zeros(3)
+        self._spread: Array = np.array(0.0)
         self._t = -np.inf
 
     def see(self, percepts: Percepts) -> View | None:
@@ -61,9 +63,11 @@ class Sight:
         return self._kinematics.forward(joints.position, base if self._mobile else None)
 
     def _agree(self, t: float, by_model: Array, by_eye: Array) -> npt.NDArray[np.bool_]:
-        elapsed = min(max(t - self._t, 0.0), self.LASTING)
+        share = min(max(t - self._t, 0.0), self.LASTING) / self.LASTING
         self._t = t
-        share = elapsed / self.LASTING
-        self._difference = (1 - share) * self._difference + share * (by_eye - by_model)
-        apart: Array = (self._difference**2).sum(axis=-1)
-        return apart < self.DISAGREEMENT**2
+        surprise = by_eye - by_model - self._difference
+        self._difference = self._difference + share * surprise
+        self._spread = (1 - share) * (self._spread + share * (surprise * surprise).sum(axis=-1))
+        chance = self.SPREADS * np.sqrt(self._spread * share / (2 - share))
+        apart: Array = np.sqrt((self._difference * self._difference).sum(axis=-1))
+        return apart < self.SAME + chance
