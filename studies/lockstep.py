@@ -86,7 +86,7 @@ def percepts_of(plant: Simulator, goal: Goal) -> Percepts:
     return Percepts(
         t=state.t,
         hand=None if sighting is None else sighting.position,
-        joints=Joints(encoders.position, encoders.velocity),
+        joints=Joints(encoders.q, encoders.qd),
         base=None if plant.robot.drive is None else state.base,
         goal=goal,
     )
