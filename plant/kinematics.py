@@ -59,7 +59,7 @@ class Kinematics:
         batch = q.shape[:-1]
         if base.ndim > 1:
             batch = np.broadcast_shapes(batch, base.shape[:-1])
-            q = np.broadcast_to(q, (*batch, n))
+            q, base = np.broadcast_to(q, (*batch, n)), np.broadcast_to(base, (*batch, 3))
         trig = np.empty((n + 1, q.size // n, 3))
         angles = trig[..., 0]
         angles[0] = base[..., 2].reshape(-1)

@@ -1,0 +1,354 @@
+"""Robots read from URDF: what is taken from the file, and what is said when it is wrong."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from plant.errors import MsmaError
+from plant.robot import Drive, RobotError
+from plant.urdf import DEFAULT_ACCELERATION, ROBOTS, load
+
+LIMIT = "<limit lower='-1' upper='1' velocity='2' effort='1'/>"
+
+
+def joint(name: str, parent: str, child: str, inside: str = LIMIT, kind: str = "revolute") -> str:
+    """The text of a joint element, on a line of its own."""
+    ends = f"<parent link='{parent}'/><child link='{child}'/>"
+    return f"<joint name='{name}' type='{kind}'>{ends}{inside}</joint>\n"
+
+
+def links(*names: str) -> str:
+    """The text of empty links, all on one line."""
+    return "".join(f"<link name='{name}'/>" for name in names) + "\n"
+
+
+def write(folder: Path, content: str) -> Path:
+    """A URDF file of that content, which begins on line 2."""
+    path = folder / "bot.urdf"
+    path.write_text(f"<robot name='bot'>\n{content}</robot>\n")
+    return path
+
+
+def test_arph_has_the_six_joints_of_the_manus_on_its_platform() -> None:
+    robot = load("arph")
+    names = [joint.name for joint in robot.joints]
+    assert names == ["column_yaw", "shoulder", "elbow", "forearm_roll", "wrist", "hand_roll"]
+    assert robot.drive == Drive(0.55, 0.10, 0.3, 0.8, 0.5, 2.0)
+
+
+def test_arph_turns_at_50_degrees_a_second_in_its_documented_ranges() -> None:
+    robot = load("arph")
+    np.testing.assert_allclose(np.degrees(robot.max_speed), 50.0)
+    np.testing.assert_allclose(robot.max_acceleration, 4.0)
+    inf = math.inf
+    np.testing.assert_allclose(np.degrees(robot.lower), [-inf, -60, -150, -inf, -120, -inf])
+    np.testing.assert_allclose(np.degrees(robot.upper), [inf, 150, 150, inf, 120, inf])
+
+
+def test_planar5_is_five_links_of_20_cm_bolted_to_the_world() -> None:
+    robot = load("planar5")
+    assert robot.n == 5
+    assert robot.drive is None
+    offsets = [joint.origin[:3, 3] for joint in robot.joints[1:]] + [robot.tip[:3, 3]]
+    np.testing.assert_allclose(offsets, [[0.2, 0, 0]] * 5)
+    np.testing.assert_allclose([joint.axis for joint in robot.joints], [[0, 0, 1]] * 5)
+
+
+@pytest.mark.parametrize("name", ["arph", "planar5"])
+def test_every_link_with_a_body_has_shapes_to_draw(name: str) -> None:
+    robot = load(name)
+    drawn = {shape.link for shape in robot.visuals}
+    assert len(drawn) >= robot.n + 1
+    assert {shape.frame for shape in robot.visuals} == set(range(robot.n + 1))
+
+
+def test_a_shape_off_the_arm_keeps_its_place_on_the_base() -> None:
+    wheel = next(shape for shape in load("arph").visuals if shape.link == "left_wheel")
+    assert (wheel.kind, wheel.size, wheel.frame) == ("cylinder", (0.1, 0.05), 0)
+    np.testing.assert_allclose(wheel.pose[:3, 3], [0, 0.275, 0.1])
+    np.testing.assert_allclose(np.abs(wheel.pose[:3, 2]), [0, 1, 0], atol=1e-12)
+    assert wheel.colour == (0.1, 0.1, 0.1, 1.0)
+
+
+def test_the_robots_lie_beside_the_code_that_reads_them() -> None:
+    assert sorted(path.name for path in ROBOTS.iterdir()) == ["arph.urdf", "planar5.urdf"]
+
+
+def test_a_robot_of_ones_own_is_read_by_its_path(tmp_path: Path) -> None:
+    path = write(tmp_path, links("a", "b") + joint("j", "a", "b"))
+    assert load(path).name == load(str(path)).name == "bot"
+
+
+def test_fixed_joints_are_folded_into_the_next_turning_one(tmp_path: Path) -> None:
+    fixed = joint("f", "a", "b", "<origin xyz='1 0 0' rpy='0 0 1.5707963267948966'/>", "fixed")
+    turning = joint("j", "b", "c", "<origin xyz='1 0 0'/>" + LIMIT)
+    robot = load(write(tmp_path, links("a", "b", "c") + fixed + turning))
+    assert robot.n == 1
+    np.testing.assert_allclose(robot.joints[0].origin[:3, 3], [1, 1, 0], atol=1e-12)
+
+
+def test_an_axis_is_made_a_unit_vector_and_is_x_when_not_given(tmp_path: Path) -> None:
+    content = (links("a", "b", "c") + joint("j", "a", "b", "<axis xyz='0 3 4'/>" + LIMIT)) + joint(
+        "k", "b", "c"
+    )
+    first, second = load(write(tmp_path, content)).joints
+    np.testing.assert_allclose(first.axis, [0, 0.6, 0.8])
+    np.testing.assert_allclose(second.axis, [1, 0, 0])
+
+
+def test_a_joint_without_an_acceleration_limit_has_the_default_one(tmp_path: Path) -> None:
+    robot = load(write(tmp_path, links("a", "b") + joint("j", "a", "b")))
+    assert robot.max_acceleration == DEFAULT_ACCELERATION
+
+
+def test_a_joint_that_turns_for_ever_has_no_range(tmp_path: Path) -> None:
+    content = links("a", "b") + joint("j", "a", "b", "<limit velocity='1'/>", "continuous")
+    robot = load(write(tmp_path, content))
+    assert (robot.joints[0].lower, robot.joints[0].upper) == (-math.inf, math.inf)
+
+
+def test_the_tip_is_the_end_of_the_longest_chain(tmp_path: Path) -> None:
+    content = links("a", "b", "c", "d") + joint("long_1", "a", "b") + joint("long_2", "b", "c")
+    robot = load(write(tmp_path, content + joint("short", "a", "d")))
+    assert [joint.name for joint in robot.joints] == ["long_1", "long_2"]
+
+
+def test_a_tip_that_is_named_is_taken(tmp_path: Path) -> None:
+    content = links("a", "b", "c", "d") + joint("long_1", "a", "b") + joint("long_2", "b", "c")
+    robot = load(write(tmp_path, content + joint("short", "a", "d")), tip="d")
+    assert [joint.name for joint in robot.joints] == ["short"]
+
+
+def test_what_the_file_holds_besides_is_ignored(tmp_path: Path) -> None:
+    extra = "<gazebo><plugin name='p'/></gazebo><transmission name='t'/>"
+    mesh = "<link name='b'><inertial/><visual><geometry><mesh filename='x'/></geometry></visual>"
+    path = write(tmp_path, extra + "<link name='a'/>" + mesh + "</link>" + joint("j", "a", "b"))
+    assert load(path).visuals == ()
+
+
+WHEELS = (
+    links("base", "tip")
+    + "".join(
+        f"<link name='{side}'><visual><geometry><cylinder radius='0.1' length='0.05'/>"
+        "</geometry></visual></link>"
+        for side in ("left", "right")
+    )
+    + joint("j", "base", "tip")
+    + joint("lw", "base", "left", "<origin xyz='0 0.2 0.1'/>", "continuous")
+    + joint("rw", "base", "right", "<origin xyz='0 -0.2 0.1'/>", "continuous")
+)
+DRIVE = (
+    "<differential_drive left_wheel='lw' right_wheel='rw' max_linear='1' max_angular='2' "
+    "max_linear_acceleration='3' max_angular_acceleration='4'/>"
+)
+
+
+def test_a_drive_has_its_track_and_radius_from_its_wheels(tmp_path: Path) -> None:
+    robot = load(write(tmp_path, WHEELS + DRIVE))
+    assert robot.drive == Drive(0.4, 0.1, 1.0, 2.0, 3.0, 4.0)
+    assert [joint.name for joint in robot.joints] == ["j"]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("left_wheel='lw'", "left_wheel='x'", "there is no continuous joint 'x' to be a wheel"),
+        ("left_wheel='lw'", "left_wheel='j'", "there is no continuous joint 'j' to be a wheel"),
+        ("left_wheel='lw' ", "", "<differential_drive> has no left_wheel"),
+        (
+            "max_linear='1'",
+            "max_linear='0'",
+            "<differential_drive max_linear='0'> must be positive",
+        ),
+        ("xyz='0 0.2 0.1'", "xyz='0.3 0.2 0.1'", "'base' must be at the middle of their axle"),
+        ("xyz='0 0.2 0.1'", "xyz='0 -0.3 0.1'", "'base' must be at the middle of their axle"),
+        ("radius='0.1'", "radius='0.3'", "'base' must lie on the floor"),
+        (
+            "<cylinder radius='0.1' length='0.05'/>",
+            "<box size='1 1 1'/>",
+            "wheel 'lw': it needs a cylinder or sphere",
+        ),
+    ],
+)
+def test_a_drive_that_makes_no_sense_is_refused(
+    tmp_path: Path, old: str, new: str, message: str
+) -> None:
+    path = write(tmp_path, (WHEELS + DRIVE).replace(old, new))
+    with pytest.raises(RobotError) as error:
+        load(path)
+    assert str(error.value).startswith(f"{path}:")
+    assert message in str(error.value)
+
+
+AB = links("a", "b")
+WRONG = {
+    "bad xml": (2, "<joint", "this is not well-formed XML"),
+    "no link": (1, "", "robot 'bot': there is no <link>"),
+    "no joint": (1, links("a"), "no turning joint leads to link 'a'"),
+    "only fixed joints": (1, AB + joint("j", "a", "b", "", "fixed"), "no turning joint"),
+    "no limit": (3, AB + joint("j", "a", "b", ""), "joint 'j': <limit> is missing"),
+    "no velocity": (
+        3,
+        AB + joint("j", "a", "b", "<limit lower='-1' upper='1'/>"),
+        "joint 'j': <limit> has no velocity",
+    ),
+    "negative velocity": (
+        3,
+        AB + joint("j", "a", "b", LIMIT.replace("'2'", "'-2'")),
+        "joint 'j': <limit velocity='-2'> must be positive",
+    ),
+    "negative acceleration": (
+        3,
+        AB + joint("j", "a", "b", LIMIT.replace("effort='1'", "acceleration='-4'")),
+        "joint 'j': <limit acceleration='-4'> must be positive",
+    ),
+    "limits the wrong way round": (
+        3,
+        AB + joint("j", "a", "b", "<limit lower='1' upper='-1' velocity='2'/>"),
+        "joint 'j': <limit lower='1' upper='-1'> leaves no room to move",
+    ),
+    "limits that are no numbers": (
+        3,
+        AB + joint("j", "a", "b", "<limit lower='nan' upper='1' velocity='2'/>"),
+        "joint 'j': <limit lower='nan'> must be a finite number",
+    ),
+    "zero axis": (
+        3,
+        AB + joint("j", "a", "b", "<axis xyz='0 0 0'/>" + LIMIT),
+        "joint 'j': <axis xyz='0 0 0'> has no length; give a direction such as '0 0 1'",
+    ),
+    "short axis": (
+        3,
+        AB + joint("j", "a", "b", "<axis xyz='0 1'/>" + LIMIT),
+        "joint 'j': <axis xyz='0 1'> must be 3 finite numbers with spaces between",
+    ),
+    "bad origin": (
+        3,
+        AB + joint("j", "a", "b", "<origin xyz='0 1 x'/>" + LIMIT),
+        "joint 'j': <origin xyz='0 1 x'> must be 3 finite numbers with spaces between",
+    ),
+    "unknown parent": (3, AB + joint("j", "x", "b"), "joint 'j': there is no parent link 'x'"),
+    "unknown child": (3, AB + joint("j", "a", "x"), "joint 'j': there is no child link 'x'"),
+    "no parent": (
+        3,
+        AB + f"<joint name='j' type='revolute'><child link='b'/>{LIMIT}</joint>",
+        "joint 'j': <parent link='...'/> is missing",
+    ),
+    "no type": (
+        3,
+        AB + "<joint name='j'><parent link='a'/><child link='b'/></joint>",
+        "joint 'j': <joint> has no type",
+    ),
+    "unknown type": (
+        3,
+        AB + joint("j", "a", "b", kind="spring"),
+        "joint 'j': there is no type 'spring'; valid are revolute, continuous,",
+    ),
+    "sliding joint": (
+        3,
+        AB + joint("j", "a", "b", kind="prismatic"),
+        "joint 'j': a prismatic joint cannot be part of the arm",
+    ),
+    "joint that follows another": (
+        3,
+        AB + joint("j", "a", "b", LIMIT + "<mimic joint='k'/>"),
+        "joint 'j': a joint of the arm moves by itself; it cannot <mimic>",
+    ),
+    "two parents": (
+        4,
+        AB + joint("j", "a", "b") + joint("k", "a", "b"),
+        "joint 'k': link 'b' hangs on joint 'j' already",
+    ),
+    "two roots": (
+        1,
+        links("a", "b", "c") + joint("j", "a", "b"),
+        "links 'a', 'c' hang on no joint; only one may, the root",
+    ),
+    "loop": (
+        2,
+        links("a", "b") + joint("j", "a", "b") + joint("k", "b", "a"),
+        "link 'a': it hangs in a loop, 'a' -> 'b' -> 'a'; links must form a tree",
+    ),
+    "loop beside a tree": (
+        2,
+        links("root", "a", "b") + joint("j", "a", "b") + joint("k", "b", "a"),
+        "link 'a': it hangs in a loop",
+    ),
+    "two joints of one name": (
+        4,
+        links("a", "b", "c") + joint("j", "a", "b") + joint("j", "b", "c"),
+        "joint 'j': there is one of that name on line 3 already",
+    ),
+    "two links of one name": (3, AB + links("a"), "link 'a': there is one of that name on line 2"),
+    "two chains as long": (
+        1,
+        links("a", "b", "c") + joint("j", "a", "b") + joint("k", "a", "c"),
+        "links 'b', 'c' each end a chain of 1 moving joints; say which is the tip",
+    ),
+    "visual without geometry": (
+        2,
+        "<link name='a'><visual/></link><link name='b'/>" + joint("j", "a", "b"),
+        "link 'a': <visual> has no <geometry>",
+    ),
+    "ball of no size": (
+        2,
+        "<link name='a'><visual><geometry><sphere radius='0'/></geometry></visual></link>"
+        "<link name='b'/>" + joint("j", "a", "b"),
+        "link 'a': <sphere radius='0'> must be positive",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_a_wrong_description_is_refused_with_file_line_and_element(
+    tmp_path: Path, case: str
+) -> None:
+    line, content, message = WRONG[case]
+    path = write(tmp_path, content)
+    with pytest.raises(RobotError) as error:
+        load(path)
+    assert str(error.value).startswith(f"{path}:{line}: ")
+    assert message in str(error.value)
+
+
+def test_a_tip_that_there_is_not_is_refused_with_those_that_there_are(tmp_path: Path) -> None:
+    path = write(tmp_path, AB + joint("j", "a", "b"))
+    with pytest.raises(RobotError, match="no link 'hand' to be the tip; valid are a, b"):
+        load(path, tip="hand")
+
+
+def test_a_name_that_there_is_not_is_refused_with_those_that_there_are() -> None:
+    with pytest.raises(RobotError, match="no robot 'r2d2'; give one of arph, planar5, or the path"):
+        load("r2d2")
+
+
+def test_a_file_that_cannot_be_read_is_named(tmp_path: Path) -> None:
+    with pytest.raises(RobotError, match=r"none\.urdf: cannot be read: No such file"):
+        load(tmp_path / "none.urdf")
+    with pytest.raises(RobotError, match="cannot be read: Is a directory"):
+        load(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (b"", "not well-formed XML"),
+        (b"\xff\xfe\x00", "not well-formed XML"),
+        (b"<?xml version='1.0' encoding='nonsense'?><robot/>", "not well-formed XML"),
+        (b"<sdf/>", "the outermost element is <sdf>; URDF begins with <robot>"),
+        (b"<robot/>", "<robot> has no name"),
+        (b"<robot name='x'><xacro:include/></robot>", "turn it into URDF with the xacro tool"),
+    ],
+)
+def test_what_is_no_urdf_at_all_is_refused(tmp_path: Path, content: bytes, message: str) -> None:
+    path = tmp_path / "bot.urdf"
+    path.write_bytes(content)
+    with pytest.raises(RobotError, match=message):
+        load(path)
+
+
+def test_a_robot_error_is_an_msma_error_and_a_value_error() -> None:
+    assert issubclass(RobotError, MsmaError)
+    assert issubclass(RobotError, ValueError)
