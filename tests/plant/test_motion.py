@@ -1,6 +1,7 @@
 """Motion within limits: the platform's arc, speeds, accelerations, and the ends of the ranges."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -13,6 +14,16 @@ from plant.robot import Array
 from plant.urdf import load
 
 ARPH, PLANAR5 = load("arph"), load("planar5")
+STOPPED = replace(  # the same arm with ends to its joints' ranges, whatever the file says
+    PLANAR5,
+    joints=tuple(
+        replace(joint, lower=-2.0 - 0.1 * i, upper=1.0 + 0.2 * i)
+        for i, joint in enumerate(PLANAR5.joints)
+    ),
+)
+STOPPED = replace(
+    PLANAR5, joints=tuple(replace(joint, lower=-2.8, upper=2.8) for joint in PLANAR5.joints)
+)
 ROUNDING = 1e-12
 START = np.radians([0.0, 60.0, -115.0, 0.0, 0.0, 0.0])
 periods = st.sampled_from([0.001, 0.01, 0.06, 0.3])
@@ -106,15 +117,16 @@ def test_a_joint_driven_to_the_end_of_its_range_comes_to_rest_there(
     state = at_rest(np.zeros(5), np.zeros(3))
     told = np.zeros(5)
     told[joint] = sign * 9.0
+    end = STOPPED.upper[joint] if sign > 0.0 else STOPPED.lower[joint]
     for _ in range(int(5.0 / period)):
-        state = step(PLANAR5, state, Commands(told), period)
-    assert state.q[joint] == pytest.approx(sign * PLANAR5.upper[joint], abs=1e-9)
+        state = step(STOPPED, state, Commands(told), period)
+    assert state.q[joint] == pytest.approx(end, abs=1e-9)
     assert state.qd[joint] == pytest.approx(0.0, abs=1e-9)
 
 
 def test_a_joint_leaves_the_end_of_its_range_again() -> None:
-    state = at_rest(PLANAR5.upper.copy(), np.zeros(3))
-    state = step(PLANAR5, state, Commands(np.full(5, -0.1)), 0.06)
+    state = at_rest(STOPPED.upper.copy(), np.zeros(3))
+    state = step(STOPPED, state, Commands(np.full(5, -0.1)), 0.06)
     np.testing.assert_allclose(state.qd, -0.1)
 
 
