@@ -19,19 +19,21 @@ class Scene(NamedTuple):
     """What the platform sees at one moment, in the world.
 
     hand, missing: (..., 3) [m], where the hand is and the way from it to the goal
+    going: (..., 3) [m/s], the velocity of the goal
     place: (..., 3) [m] of the platform, on the floor; heading: (...) [rad]; ahead: its direction
     linear, angular: (...) [m/s], [rad/s], its own speeds
-    travel: (..., 2) [m/s], which way the hand has to go, seen from above
+    carried: (...) [m], how far ahead of its axle the platform carries the hand
     """
 
     hand: Array
     missing: Array
+    going: Array
     place: Array
     heading: Array
     ahead: Array
     linear: Array
     angular: Array
-    travel: Array
+    carried: Array
 
 
 class PlatformAgent(Agent):
@@ -45,8 +47,9 @@ class PlatformAgent(Agent):
     2. *Go forward only*: the sensors that keep it off people and furniture look ahead.
     3. *Line up*, weakly: turn to where the hand travels and to where the arm points, and keep the
        arm at a comfortable reach, as a person walks up to a book instead of stretching for it.
-       This is bounded in acceleration, so that it never costs the hand more than a millimetre or
-       so, and the person beside the robot sees smooth, foreseeable moves.
+       This is bounded in acceleration, so that it costs the hand no more than a millimetre or so
+       and the person beside the robot sees smooth, foreseeable moves. Where the hand is carried
+       beside or behind the axle, turning can not serve it, and lining up is all the steering.
     4. *Leave deadlocks*: when it turns and the arm turns back, and the hand gets no nearer, it
        stands still for a cycle and lets the arm go first (`Deadlock`).
     """
@@ -118,9 +121,12 @@ class PlatformAgent(Agent):
         self.perception = "blackboard" if view.modelled.all() else "localiser"
         scene = self._scene(percepts.t, view.hand, percepts.base, percepts.goal)
         linear, angular = self._bring_nearer(percepts.t, scene, percepts.goal)
-        comfort_linear, comfort_angular = self._comfort(scene)
-        linear = linear + _within(comfort_linear - scene.linear, self._ease_linear)
-        angular = angular + _within(comfort_angular - scene.angular, self._ease_angular)
+        lined_linear, lined_angular = self._line_up(scene)
+        freedom = 1 - _in_front(scene)
+        ease_angular = self._ease_angular * (1 + BRISK * freedom)
+        lined_angular = lined_angular * (1 + freedom)
+        linear = linear + _within(lined_linear - scene.linear, self._ease_linear)
+        angular = angular + _within(lined_angular - scene.angular, ease_angular)
         waiting = self._deadlock.waiting(percepts.t, scene.missing, scene.angular)
         speeds: Array = np.stack(
             [
@@ -143,17 +149,16 @@ class PlatformAgent(Agent):
         )
         if motion is None:
             motion = np.zeros_like(place)
-        missing = goal.at(t) - hand
         return Scene(
             hand=hand,
-            missing=missing,
+            missing=goal.at(t) - hand,
+            going=goal.velocity_at(t),
             place=place,
             heading=heading,
             ahead=ahead,
             linear=(motion[..., :2] * ahead[..., :2]).sum(axis=-1),
             angular=motion[..., 2],
-            # what is missing is to be made good in a second, so its metres add as metres a second
-            travel=goal.velocity_at(t)[..., :2] + missing[..., :2],
+            carried=((hand - place) * ahead).sum(axis=-1),
         )
 
     def _bring_nearer(self, t: float, scene: Scene, goal: Goal) -> tuple[Array, Array]:
@@ -165,36 +170,61 @@ class PlatformAgent(Agent):
         turn = best_turn(hand, place, scene.place, UP)
         return (
             scene.linear + self._advancing.after(advance) * advance / self._horizon,
-            scene.angular + self._turning.after(turn) * turn / self._horizon,
+            scene.angular + _in_front(scene) * self._turning.after(turn) * turn / self._horizon,
         )
 
-    def _comfort(self, scene: Scene) -> tuple[Array, Array]:
+    def _line_up(self, scene: Scene) -> tuple[Array, Array]:
         """Return the speeds at which platform, arm and travel would come to be lined up."""
-        along, across = scene.ahead[..., 0], scene.ahead[..., 1]
-        x, y, z = self._root
-        root = scene.place + np.stack(
-            [along * x - across * y, across * x + along * y, np.full_like(along, z)], axis=-1
+        arm = scene.hand - self._root_in_world(scene)
+        level = np.sqrt((arm[..., :2] * arm[..., :2]).sum(axis=-1))
+        off_reach = np.sqrt(level * level + arm[..., 2] * arm[..., 2]) - self._reach
+        speed = np.sqrt((scene.going[..., :2] * scene.going[..., :2]).sum(axis=-1))
+        # where to go, seen from above [m]: along the hand's travel as far as a steering platform
+        # must look ahead, to what is missing, and to where the arm has a comfortable reach
+        lead = np.maximum(LEAD, -1.5 * scene.carried) / np.maximum(speed, COURSE_SPEED)
+        ease = _within(off_reach, LEAD) / np.maximum(level, NEAR_ROOT)
+        way = (
+            lead[..., None] * scene.going[..., :2]
+            + scene.missing[..., :2]
+            + ease[..., None] * arm[..., :2]
         )
-        arm = scene.hand - root
+        course = np.arctan2(way[..., 1], way[..., 0]) - scene.heading
         bearing = np.arctan2(arm[..., 1], arm[..., 0]) - scene.heading - self._bearing
-        off_reach = np.sqrt((arm * arm).sum(axis=-1)) - self._reach
-        speed = np.sqrt((scene.travel**2).sum(axis=-1))
-        course = np.arctan2(scene.travel[..., 1], scene.travel[..., 0]) - scene.heading
-        weight = np.minimum(speed / COURSE_SPEED, 1.0)
+        weight = np.minimum(np.sqrt((way * way).sum(axis=-1)) / LEAD, 1.0)
         turn = np.arctan2(
             weight * np.sin(course) + ARM_WEIGHT * np.sin(bearing),
             weight * np.cos(course) + ARM_WEIGHT * np.cos(bearing),
         )
         linear = speed * weight * np.cos(course) + self._hurry * off_reach * np.cos(bearing)
-        limited = np.minimum(np.maximum(linear, 0.0), self._drive.max_linear)
-        return limited, self._align * turn
+        return np.minimum(np.maximum(linear, 0.0), self._drive.max_linear), self._align * turn
+
+    def _root_in_world(self, scene: Scene) -> Array:
+        along, across = scene.ahead[..., 0], scene.ahead[..., 1]
+        x, y, z = self._root
+        offset = [along * x - across * y, across * x + along * y, np.full_like(along, z)]
+        root: Array = scene.place + np.stack(offset, axis=-1)
+        return root
 
 
-COURSE_SPEED = 0.05  # [m/s] from which the way the hand has to go counts in full
+LEAD = 0.3  # [m] how far along the hand's travel a steering platform looks, at the least
+COURSE_SPEED = 0.05  # [m/s] from which the goal's travel counts in full
+NEAR_ROOT = 0.05  # [m] from the arm's root within which the arm points nowhere
 ARM_WEIGHT = 0.4  # of where the arm points, beside where the hand has to go
+FRONT = 0.2  # [m] ahead of the axle from which turning serves the hand in full
+BRISK = 10.0  # times as quickly may it change its turning where that does not serve the hand
 
 
-def _within(value: Array, bound: float) -> Array:
+def _in_front(scene: Scene) -> Array:
+    """Return how far (...), 0 to 1, turning the platform serves the hand.
+
+    A hand carried beside or behind the axle goes the wrong way first when the platform steers:
+    it is to be led by where the platform goes, as a driver leads a trailer.
+    """
+    share: Array = np.minimum(np.maximum(scene.carried / FRONT, 0.0), 1.0)
+    return share
+
+
+def _within(value: Array, bound: Array | float) -> Array:
     limited: Array = np.minimum(np.maximum(value, -bound), bound)
     return limited
 
