@@ -1,0 +1,111 @@
+"""Measures of a moving platform with an arm: is it a motion that a person beside it likes?"""
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from agents.agent import Array
+from plant.kinematics import Kinematics
+from studies.lockstep import Trace
+
+STILL = 0.002
+"""Speed of the platform under which it goes neither forward nor back [m/s]."""
+
+
+def reversal(base_velocity: Array, dt: float) -> Array:
+    """(...) distance gone backwards [m]: of (K, ..., 2) speeds at ticks `dt` [s] apart."""
+    back: Array = np.maximum(-base_velocity[..., 0], 0.0).sum(axis=0) * dt
+    return back
+
+
+def cusps(base_velocity: Array) -> npt.NDArray[np.int64]:
+    """(...) how often the platform turned from forward to back or the other way: the path's cusps.
+
+    Speeds (K, ..., 2) under `STILL` count for neither.
+    """
+    way = np.where(np.abs(base_velocity[..., 0]) < STILL, 0.0, np.sign(base_velocity[..., 0]))
+    last = np.zeros(way.shape[1:])
+    count = np.zeros(way.shape[1:], dtype=np.int64)
+    for now in way:
+        count += (last * now) < 0
+        last = np.where(now != 0, now, last)
+    return count
+
+
+def cusp_ticks(base_velocity: Array) -> list[int]:
+    """The ticks at which one platform's path (K, 2) has its cusps."""
+    ticks, last = [], 0.0
+    for tick, speed in enumerate(base_velocity[:, 0]):
+        if abs(speed) < STILL:
+            continue
+        if last * speed < 0:
+            ticks.append(tick)
+        last = speed
+    return ticks
+
+
+def heading_to_arm(kinematics: Kinematics, q: Array, base: Array) -> Array:
+    """(...) angle between where the platform heads and where its arm points, from above [rad].
+
+    The arm points from its column (the first joint's axis) to the hand; 0 is lined up.
+    """
+    arm = kinematics.forward(q, base)
+    away = arm.tip - arm.points[..., 0, :]
+    off: Array = np.abs(wrapped(np.arctan2(away[..., 1], away[..., 0]) - base[..., 2]))
+    return off
+
+
+def path_roughness(base: Array, dt: float) -> Array:
+    """(...) root mean square of the jerk of the platform's middle [m/s3], (K, ..., 3) poses."""
+    jerk = np.diff(base[..., :2], n=3, axis=0) / dt**3
+    rms: Array = np.sqrt((jerk**2).sum(axis=-1).mean(axis=0))
+    return rms
+
+
+def wrapped(angle: Array) -> Array:
+    """The same direction within -pi to pi [rad]."""
+    within: Array = np.remainder(angle + np.pi, 2.0 * np.pi) - np.pi
+    return within
+
+
+class Acquisition(NamedTuple):
+    """When the hand first came within tolerance, and how well it stayed there, per run (...).
+
+    Attributes:
+        time: [s] since the start of the trace or of the fault; inf if it never did.
+        worst: largest error from then on [m]; inf if never.
+        final: error at the end [m].
+    """
+
+    time: Array
+    worst: Array
+    final: Array
+
+
+def acquisition(
+    trace: Trace, tolerance: float, since: float = 0.0, stay: float = 1.0
+) -> Acquisition:
+    """When each hand of the trace came within `tolerance` [m], looking from `since` [s] on.
+
+    It has acquired the goal once it stays within for `stay` [s]: one that only flies through has
+    not. `worst` is the largest error from there to the end, leaving again included.
+    """
+    error = trace.error
+    dt = float(trace.t[1] - trace.t[0])
+    within = (error <= tolerance) & (trace.t >= since - dt / 1000).reshape(
+        -1, *[1] * (error.ndim - 1)
+    )
+    length = min(max(round(stay / dt), 1), len(error))
+    run = np.zeros(error.shape[1:], dtype=np.int64)
+    start = np.full(error.shape[1:], -1, dtype=np.int64)
+    for tick, inside in enumerate(within):
+        run = np.where(inside, run + 1, 0)
+        start = np.where((start < 0) & (run >= length), tick - length + 1, start)
+    ticks = np.arange(len(error)).reshape(-1, *[1] * (error.ndim - 1))
+    after = np.where((ticks >= start) & (start >= 0), error, 0.0).max(axis=0)
+    return Acquisition(
+        np.where(start >= 0, trace.t[start] - since, np.inf),
+        np.where(start >= 0, after, np.inf),
+        error[-1],
+    )
