@@ -21,9 +21,6 @@ STOPPED = replace(  # the same arm with ends to its joints' ranges, whatever the
         for i, joint in enumerate(PLANAR5.joints)
     ),
 )
-STOPPED = replace(
-    PLANAR5, joints=tuple(replace(joint, lower=-2.8, upper=2.8) for joint in PLANAR5.joints)
-)
 ROUNDING = 1e-12
 START = np.radians([0.0, 60.0, -115.0, 0.0, 0.0, 0.0])
 periods = st.sampled_from([0.001, 0.01, 0.06, 0.3])
