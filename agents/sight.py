@@ -43,7 +43,7 @@ class Sight:
         self._mobile = body.robot.drive is not None
         self._difference: Array = np.zeros(3)
         self._spread: Array = np.array(0.0)
-        self._t = -np.inf
+        self._t: float | None = None
 
     def see(self, percepts: Percepts) -> View | None:
         """Return the view by the best of what is seen freshly, or None if nothing is."""
@@ -63,8 +63,9 @@ class Sight:
         return self._kinematics.forward(joints.position, base if self._mobile else None)
 
     def _agree(self, t: float, by_model: Array, by_eye: Array) -> npt.NDArray[np.bool_]:
-        share = min(max(t - self._t, 0.0), self.LASTING) / self.LASTING
+        elapsed = 0.0 if self._t is None else min(max(t - self._t, 0.0), self.LASTING)
         self._t = t
+        share = elapsed / self.LASTING
         surprise = by_eye - by_model - self._difference
         self._difference = self._difference + share * surprise
         self._spread = (1 - share) * (self._spread + share * (surprise * surprise).sum(axis=-1))

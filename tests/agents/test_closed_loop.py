@@ -1,0 +1,120 @@
+"""All agents together with the simulated robot, in step: does the hand get there?"""
+
+import numpy as np
+import pytest
+
+from agents.agent import Agent, Body, Goal
+from agents.joint import HoldAgent, JointAgent
+from agents.paths import Line
+from agents.platform import PlatformAgent
+from plant.faults import Fault
+from plant.simulator import Simulator
+from plant.urdf import load
+from studies.lockstep import Event, Trace, run
+from tests.agents.conftest import START
+
+TABLE_1 = Line(start=(0.20, -0.18, 0.79), velocity=(0.0, -0.07, 0.02), duration=24.0)
+
+
+def mobile_agents(arph, period: float, **parameters) -> dict[str, Agent]:
+    def body(joint):
+        return Body(arph, joint, period, np.random.default_rng([7, 0 if joint is None else joint]))
+
+    agents: dict[str, Agent] = {
+        f"joint/{i + 1}": JointAgent(body(i), **parameters) for i in range(3)
+    }
+    agents |= {f"joint/{i + 1}": HoldAgent(body(i)) for i in range(3, 6)}
+    perception = {key: parameters[key] for key in parameters if key == "perception"}
+    agents["platform"] = PlatformAgent(body(None), bearing=np.deg2rad(-6), **perception)
+    return agents
+
+
+def follow(arph, *, period=0.06, events=(), **parameters) -> Trace:
+    plant = Simulator(arph, START, np.array([-0.15, 0.0, 0.0]), period=period)
+    agents = mobile_agents(arph, period, **parameters)
+    return run(plant, agents, TABLE_1.piece, 24.0, events=events)
+
+
+def test_the_task_of_table_1_is_done_as_the_paper_says(arph):
+    trace = follow(arph)
+    settled = trace.t > 2.0
+    assert trace.error[settled].max() < 1.5e-3
+    assert trace.base_velocity[:, 0].min() >= 0.0
+    assert trace.base_velocity[:, 1].max() < np.deg2rad(2)  # it turns right, and then not at all
+    elbow = -np.rad2deg(trace.q[:, 2])
+    assert elbow.min() > 20
+    assert 55 < elbow[-1] < 85
+    assert abs(np.rad2deg(trace.q[-1, 0])) < 10  # heading and arm are lined up
+    assert np.rad2deg(trace.base[-1, 2]) == pytest.approx(-90, abs=10)
+    np.testing.assert_allclose(trace.q[-1, 3:], 0.0, atol=1e-9)
+
+
+def test_a_shorter_period_follows_more_closely(arph):
+    trace = follow(arph, period=0.01)
+    assert trace.error[trace.t > 2.0].max() < 0.3e-3
+
+
+@pytest.mark.parametrize("joint", [1, 2, 3])
+@pytest.mark.parametrize("way", ["killed", "locked", "weak"])
+def test_a_joint_lost_on_the_way_is_made_up_for(arph, joint, way):
+    what = f"joint/{joint}"
+    if way != "killed":
+        what = Fault.parse(f"{what}:{way}", arph)
+    trace = follow(arph, events=[Event(8.0, what)])
+    assert trace.error[-1] < 3e-3
+    assert trace.error[trace.t > 12.0].max() < 3e-3
+
+
+def test_without_the_platform_the_hand_goes_as_far_as_it_reaches(arph):
+    trace = follow(arph, events=[Event(5.0, "platform")])
+    assert trace.error[-1] > 0.5
+    shoulder = trace.base[-1, :2]
+    stretched = np.linalg.norm(trace.hand[-1, :2] - shoulder)
+    assert stretched > 0.6  # towards the goal, not fallen short of it
+    assert np.abs(np.rad2deg(trace.q[-1, 2])) < 5
+
+
+def test_no_model_is_needed(arph):
+    trace = follow(arph, perception="localiser")
+    assert trace.error[trace.t > 5.0].max() < 10e-3
+
+
+def test_an_encoder_lost_on_the_way_is_made_up_for_by_the_eye(arph):
+    trace = follow(arph, events=[Event(8.0, Fault.parse("encoder/2:lost", arph))])
+    assert trace.error[trace.t > 14.0].max() < 10e-3
+
+
+def test_the_fixed_step_of_the_paper_follows_within_its_step(arph):
+    trace = follow(arph, law="fixed-step")
+    assert trace.error[trace.t > 2.0].max() < 20e-3
+
+
+@pytest.fixture(scope="module")
+def planar():
+    return load("planar5")
+
+
+@pytest.mark.parametrize(
+    ("perception", "steps", "share"), [("blackboard", 300, 1.0), ("localiser", 500, 0.9)]
+)
+def test_a_planar_arm_reaches_random_goals_with_two_joints_locked(planar, perception, steps, share):
+    rng = np.random.default_rng(5)
+    count, period = 60, 0.1
+    start = rng.uniform(-1.5, 1.5, (count, 5))
+    there = start.copy()
+    there[:, [0, 2, 4]] = rng.uniform(-1.5, 1.5, (count, 3))  # joints 2 and 4 are locked
+    goals = Simulator(planar, there, period=period).hand().position
+    plant = Simulator(planar, start, period=period, rng=rng)
+    for joint in (2, 4):
+        plant.inject(Fault.parse(f"joint/{joint}:locked", planar))
+    agents: dict[str, Agent] = {
+        f"joint/{i + 1}": JointAgent(
+            Body(planar, i, period, np.random.default_rng([1, i])),
+            perception=perception,
+            memory=1.0,
+        )
+        for i in range(5)
+    }
+    goal = Goal(goals, np.zeros(3), 0.0, np.inf)
+    trace = run(plant, agents, lambda t: goal, steps * period)
+    assert (trace.error[-1] < 5e-3).mean() >= share

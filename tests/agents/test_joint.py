@@ -1,0 +1,160 @@
+"""The joints' agents, one decision at a time."""
+
+import numpy as np
+import pytest
+
+from agents.agent import AgentError, Joints
+from agents.joint import HoldAgent, JointAgent
+from tests.agents.conftest import START
+
+UP = (0.0, 0.0, 0.05)
+LEFT = (0.0, 0.05, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("joint", "offset", "sign"),
+    [(0, LEFT, 1), (0, (0.0, -0.05, 0.0), -1), (1, UP, 1), (1, (0.0, 0.0, -0.05), -1), (2, UP, 1)],
+)
+@pytest.mark.parametrize("law", ["line", "fixed-step"])
+def test_a_joint_turns_the_hand_towards_the_goal(body, percepts, joint, offset, sign, law):
+    agent = JointAgent(body(joint), law=law)
+    assert np.sign(agent.decide(percepts(offset))) == sign
+    assert agent.perception == "blackboard"
+
+
+def test_a_joint_that_cannot_help_stays(body, percepts):
+    assert abs(JointAgent(body(0)).decide(percepts(UP))) < 1e-3
+    assert JointAgent(body(0), law="fixed-step").decide(percepts(UP)) == 0.0
+
+
+def test_a_joint_never_asks_for_more_than_its_speed_limit(body, percepts, arph):
+    speed = JointAgent(body(1)).decide(percepts((0.0, 0.0, 5.0)))
+    assert speed == pytest.approx(arph.max_speed[1])
+
+
+def test_a_joint_that_serves_a_steady_goal_goes_on_as_it_goes(body, percepts):
+    speeds = np.array([0.1, 0, 0, 0, 0, 0])
+    agent = JointAgent(body(0), memory=1e6)
+    first = percepts(speeds=speeds)
+    agent.decide(first)
+    # the hand has moved with the goal since, so nothing is to be corrected
+    step = np.array([0.0, 0.004, 0.0])
+    joints = Joints(START, speeds)
+    hand = first.hand
+    drifting = percepts(t=0.06, velocity=step / 0.06, joints=joints)
+    agent._by_model._seen._place = hand - step  # as if it had come from there
+    goal = drifting.goal._replace(position=hand - step, since=0.0)
+    assert agent.decide(drifting._replace(goal=goal)) == pytest.approx(0.1, rel=1e-3)
+
+
+def test_without_a_goal_or_a_sight_of_the_hand_it_says_nothing(body, percepts):
+    agent = JointAgent(body(0))
+    assert agent.decide(percepts(UP, goal=None)) is None
+    assert agent.decide(percepts(UP, joints=None, hand=None)) is None
+    assert agent.perception == "none"
+
+
+def test_auto_takes_the_eye_when_an_encoder_is_lost(body, percepts):
+    lost = START.copy()
+    lost[4] = np.nan
+    agent = JointAgent(body(0), perception="auto")
+    assert agent.decide(percepts(UP, joints=Joints(lost, np.zeros(6)))) is not None
+    assert agent.perception == "localiser"
+
+
+def test_the_blackboard_alone_is_mute_when_an_encoder_is_lost(body, percepts):
+    lost = START.copy()
+    lost[4] = np.nan
+    agent = JointAgent(body(0), perception="blackboard")
+    assert agent.decide(percepts(UP, joints=Joints(lost, np.zeros(6)))) is None
+
+
+def test_auto_stops_believing_a_model_that_the_eye_contradicts_for_long(body, percepts):
+    agent = JointAgent(body(0), perception="auto")
+    elsewhere = percepts().hand + np.array([0.0, 0.03, 0.0])
+    seen = []
+    for tick in range(40):
+        agent.decide(percepts(UP, t=tick * 0.06, hand=elsewhere))
+        seen.append(agent.perception)
+    assert seen[0] == "blackboard"
+    assert seen[-1] == "localiser"
+
+
+def test_auto_goes_on_believing_the_model_when_the_eye_is_only_noisy(body, percepts):
+    agent = JointAgent(body(0), perception="auto")
+    rng = np.random.default_rng(1)
+    for tick in range(300):
+        noisy = percepts().hand + rng.normal(scale=0.005, size=3)
+        agent.decide(percepts(UP, t=tick * 0.06, hand=noisy))
+        assert agent.perception == "blackboard"
+
+
+def test_with_a_model_nothing_is_left_to_chance(body, percepts):
+    first = JointAgent(body(1, seed=1)).decide(percepts(UP))
+    second = JointAgent(body(1, seed=2)).decide(percepts(UP))
+    assert first == second
+
+
+def test_without_a_model_chance_comes_from_the_generator_given(body, percepts):
+    def run(seed):
+        agent = JointAgent(body(1, seed=seed), perception="localiser")
+        return [float(agent.decide(percepts(UP, t=tick * 0.06))) for tick in range(20)]
+
+    assert run(1) == run(1)
+    assert run(1) != run(2)
+
+
+@pytest.mark.parametrize("law", ["line", "fixed-step"])
+@pytest.mark.parametrize("perception", ["blackboard", "localiser", "auto"])
+def test_a_batch_of_robots_is_decided_for_at_once(body, percepts, law, perception):
+    agent = JointAgent(body(1), law=law, perception=perception)
+    one = percepts(UP)
+    joints = Joints(np.tile(START, (5, 2, 1)), np.zeros((5, 2, 6)))
+    many = one._replace(joints=joints, base=np.zeros((5, 2, 3)), hand=np.tile(one.hand, (5, 2, 1)))
+    assert agent.decide(many).shape == (5, 2)
+
+
+@pytest.mark.parametrize(
+    ("parameters", "said"),
+    [
+        ({"gain": 0.0}, "gain: 0 must be above 0"),
+        ({"gain": 1.5}, "gain: 1.5 must be above 0 and at most 1"),
+        ({"horizon": -1.0}, "horizon: -1 must be positive"),
+        ({"memory": 0.0}, "memory: 0 must be positive"),
+        ({"step": 0.0}, "step: 0 must be positive"),
+    ],
+)
+def test_a_parameter_out_of_range_is_refused(body, parameters, said):
+    with pytest.raises(AgentError, match=said):
+        JointAgent(body(0), **parameters)
+
+
+def test_a_joint_agent_needs_a_joint(body):
+    with pytest.raises(AgentError, match="role joint/N"):
+        JointAgent(body(None))
+
+
+def test_hold_keeps_the_angle_it_first_saw(body, percepts):
+    agent = HoldAgent(body(3))
+    assert agent.decide(percepts()) == 0.0
+    moved = START.copy()
+    moved[3] = 0.1
+    assert agent.decide(percepts(joints=Joints(moved, np.zeros(6)))) < 0
+
+
+def test_hold_keeps_the_angle_given(body, percepts):
+    assert HoldAgent(body(3), angle=0.5).decide(percepts()) > 0
+
+
+def test_hold_says_nothing_while_its_encoder_is_not_heard(body, percepts):
+    agent = HoldAgent(body(3))
+    assert agent.decide(percepts(joints=None)) is None
+    lost = START.copy()
+    lost[3] = np.nan
+    assert agent.decide(percepts(joints=Joints(lost, np.zeros(6)))) is None
+    assert HoldAgent(body(3), rate=1e9).decide(percepts()) == 0.0
+
+
+def test_hold_refuses_a_rate_that_is_not_positive(body):
+    with pytest.raises(AgentError, match="rate: 0 must be positive"):
+        HoldAgent(body(3), rate=0.0)
