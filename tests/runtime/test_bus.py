@@ -1,0 +1,196 @@
+"""The bus on the loopback device, with several places of it in one process."""
+
+import random
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack
+
+import pytest
+
+from plant.errors import MsmaError
+from runtime import keys
+from runtime.bus import Bus, BusError, Ring
+from runtime.mesh import HOST, seat, visitor
+from runtime.messages import LARGEST, JointCommand, unpack
+from tests.runtime.conftest import Crew, wait_for
+
+KEY = keys.joint_command(1)
+ROLES = 4
+
+
+class Street:
+    """Places of one robot on the bus, all in this process."""
+
+    def __init__(self, crew: Crew, stack: ExitStack) -> None:
+        self._crew, self._stack = crew, stack
+
+    def join(self, slot: int, robot: str = "") -> Bus:
+        place = seat(self._crew.port, slot, ROLES)
+        bus = Bus(robot or self._crew.robot, f"joint/{slot}", place, random.getrandbits(60))
+        return self._stack.enter_context(bus)
+
+    def visit(self) -> Bus:
+        bus = Bus(self._crew.robot, "tool", visitor(self._crew.port), 1)
+        return self._stack.enter_context(bus)
+
+
+@pytest.fixture
+def street(crew: Crew) -> Iterator[Street]:
+    with ExitStack() as stack:
+        yield Street(crew, stack)
+
+
+def arrives(sender: Bus, ring: Ring, key: str = KEY) -> JointCommand:
+    """Send until something arrives, as state is; return what arrived."""
+    publisher = sender.publisher(key)
+
+    def look() -> JointCommand | None:
+        publisher.send(JointCommand(1.0, 0.5))
+        for arrival in ring.waiting(1):
+            assert arrival.key == key
+            return unpack(JointCommand, arrival.data)
+        return None
+
+    return wait_for(look, f"a message on {key}")
+
+
+def test_messages_arrive_with_incarnation_and_a_number_that_counts_up(street: Street) -> None:
+    here, there = street.join(0), street.join(1)
+    ring = there.ring(KEY)
+    arrives(here, ring)
+    publisher = here.publisher(KEY)
+    for _ in range(3):
+        publisher.send(JointCommand(2.0, 0.1))
+    seen = wait_for(lambda: [m for m in _all(ring) if m.t == 2.0][-3:], "the three")
+    assert [message.n for message in seen] == [1, 2, 3]
+    assert {message.by for message in seen} == {here.incarnation}
+
+
+def _all(ring: Ring) -> list[JointCommand]:
+    time.sleep(0.05)
+    return [unpack(JointCommand, arrival.data) for arrival in ring.waiting(8)]
+
+
+def test_a_ring_keeps_the_newest_and_drops_the_oldest(street: Street) -> None:
+    here, there = street.join(0), street.join(1)
+    ring = there.ring(KEY, depth=2)
+    arrives(here, ring)
+    publisher = here.publisher(KEY)
+    for tick in range(100):
+        publisher.send(JointCommand(float(tick), 0.0))
+    last = there.ring(keys.GOAL)
+    arrives(here, last, keys.GOAL)
+    assert [unpack(JointCommand, arrival.data).t for arrival in ring.waiting(8)] == [98.0, 99.0]
+
+
+def test_a_tray_tells_when_each_message_arrived(street: Street) -> None:
+    here, there = street.join(0), street.join(1)
+    tray = there.tray(KEY)
+    before = time.monotonic()
+    arrives(here, there.ring(KEY))
+    ((arrived, arrival), *_) = wait_for(lambda: list(tray.take()), "something on the tray")
+    assert before <= arrived <= time.monotonic()
+    assert arrival.key == KEY
+
+
+def test_what_is_far_too_large_is_not_handed_on(street: Street) -> None:
+    here, there = street.join(0), street.join(1)
+    ring = there.ring(KEY)
+    arrives(here, ring)
+    here._session.put(KEY, bytes(10_000_000))
+    sizes = wait_for(
+        lambda: [n for n in (len(one.data) for one in ring.waiting(8)) if n > 200], "the large one"
+    )
+    assert sizes == [LARGEST + 1]
+
+
+def test_no_message_crosses_to_another_robot_on_the_same_ports(street: Street) -> None:
+    ours, theirs, spy = street.join(0), street.join(1, "other"), street.join(2, "other")
+    ring = spy.ring("**")
+    publisher = ours.publisher(KEY)
+    for _ in range(5):
+        publisher.send(JointCommand(9.0, 0.0))
+    assert arrives(theirs, ring).t == 1.0
+    assert all(message.t == 1.0 for message in _all(ring))
+
+
+def test_a_newcomer_is_heard_whoever_was_first_and_has_gone(street: Street) -> None:
+    first, second = street.join(0), street.join(2)
+    arrives(first, second.ring(KEY))
+    first.close()
+    newcomer = street.join(1)
+    arrives(newcomer, second.ring(KEY))
+    again = street.join(0)
+    arrives(again, newcomer.ring(KEY))
+
+
+def test_a_port_that_is_taken_says_who_may_have_it_and_what_to_do(
+    street: Street, crew: Crew
+) -> None:
+    street.join(1)
+    with pytest.raises(BusError) as caught:
+        street.join(1)
+    for part in (f"port {crew.port + 1} of {HOST}", "joint/1", crew.robot, "msma stop", "--copy"):
+        assert part in str(caught.value)
+
+
+def test_closing_wakes_who_waits_for_a_message(street: Street) -> None:
+    bus = street.join(0)
+    ring = bus.ring(KEY)
+    closer = threading.Timer(0.1, bus.close)
+    closer.start()
+    with pytest.raises(BusError):
+        ring.recv()
+    closer.join()
+
+
+def test_sending_on_a_closed_bus_says_so(street: Street) -> None:
+    bus = street.join(0)
+    publisher = bus.publisher(KEY)
+    bus.close()
+    with pytest.raises(BusError):
+        publisher.send(JointCommand(0.0, 0.0))
+
+
+def test_a_question_is_answered_by_all_even_on_the_same_key(street: Street) -> None:
+    one, two, tool = street.join(0), street.join(1), street.visit()
+    one.answer("ctl/joint/1/stop", lambda question: b"one " + question)
+    two.answer("ctl/joint/1/stop", lambda question: b"two " + question)
+
+    def ask() -> list[bytes] | None:
+        answers = sorted(answer.data for answer in tool.ask("ctl/joint/1/stop", b"now"))
+        return answers if len(answers) == 2 else None
+
+    assert wait_for(ask, "two answers") == [b"one now", b"two now"]
+
+
+def test_a_question_that_is_refused_gets_the_reason(street: Street) -> None:
+    def refuse(question: bytes) -> bytes:
+        raise MsmaError("there is no such joint")
+
+    here, tool = street.join(0), street.visit()
+    here.answer(keys.FAULT, refuse)
+    (answer,) = wait_for(lambda: tool.ask(keys.FAULT, b"joint/9:locked"), "an answer")
+    assert (answer.data, answer.agreed) == (b"there is no such joint", False)
+
+
+def test_a_question_that_nobody_answers_gets_no_answers(street: Street) -> None:
+    assert street.visit().ask("ctl/nobody/stop", timeout=0.5) == []
+
+
+def test_tokens_show_who_comes_and_who_goes(street: Street) -> None:
+    seen: list[tuple[str, bool]] = []
+    early = street.join(0)
+    early.announce("plant")
+    tool = street.visit()
+    tool.watch_alive(lambda key, there: seen.append((key, there)))
+    late = street.join(1)
+    late.announce("joint/1")
+    plant = keys.alive("plant", early.incarnation)
+    joint = keys.alive("joint/1", late.incarnation)
+    wait_for(lambda: {(plant, True), (joint, True)} <= set(seen), "both")
+    assert set(tool.who_is_alive()) == {plant, joint}
+    late.close()
+    wait_for(lambda: (joint, False) in seen, "the end of one")
+    assert tool.who_is_alive() == [plant]
