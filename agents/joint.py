@@ -4,8 +4,8 @@ from typing import Annotated, Literal
 
 import numpy as np
 
-from agents.agent import Agent, AgentError, Array, Body, Percepts
-from agents.laws import Law, LineByEye, LineByModel, StepByEye, StepByModel
+from agents.agent import Agent, AgentError, Array, Body, Joints, Percepts
+from agents.laws import Law, LineByEye, LineByModel, Own, StepByEye, StepByModel
 from agents.sight import Perception, Sight
 
 
@@ -50,7 +50,7 @@ class JointAgent(Agent):
         self._by_eye: Law
         if law == "line":
             self._by_model = LineByModel(
-                self._joint, gain=gain, horizon=horizon, memory=memory, period=body.period
+                body, self._joint, gain=gain, horizon=horizon, memory=memory
             )
             self._by_eye = LineByEye(body, horizon=horizon, top_speed=self._top_speed)
         else:
@@ -67,16 +67,19 @@ class JointAgent(Agent):
         everywhere = bool(view.modelled.all())
         self.perception = "blackboard" if everywhere else "localiser"
         t, goal = percepts.t, percepts.goal
-        own_speed = None if percepts.joints is None else percepts.joints.velocity[..., self._joint]
+        own = None if percepts.joints is None else self._own(percepts.joints)
         if everywhere:
-            velocity = self._by_model.velocity(t, view, own_speed, goal)
+            velocity = self._by_model.velocity(t, view, own, goal)
         else:
-            velocity = self._by_eye.velocity(t, view, own_speed, goal)
+            velocity = self._by_eye.velocity(t, view, own, goal)
             if view.modelled.any():
-                by_model = self._by_model.velocity(t, view, own_speed, goal)
+                by_model = self._by_model.velocity(t, view, own, goal)
                 velocity = np.where(view.modelled, by_model, velocity)
         limited: Array = np.minimum(np.maximum(velocity, -self._top_speed), self._top_speed)
         return limited
+
+    def _own(self, joints: Joints) -> Own:
+        return Own(joints.position[..., self._joint], joints.velocity[..., self._joint])
 
 
 class HoldAgent(Agent):

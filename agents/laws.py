@@ -1,23 +1,32 @@
 """The laws by which a joint turns the hand towards the goal, with a model and without."""
 
 from abc import ABC, abstractmethod
+from typing import NamedTuple
 
 import numpy as np
 
 from agents.adaptation import EagerGain, OwnColumn, SeenVelocity
 from agents.agent import Array, Body, Goal
 from agents.sight import View
+from agents.stops import Stops
 from agents.turning import best_turn, turned
+
+
+class Own(NamedTuple):
+    """What a joint's own encoder says: angle (...) [rad] and speed (...) [rad/s]."""
+
+    angle: Array
+    speed: Array
 
 
 class Law(ABC):
     """One way for one joint to decide."""
 
     @abstractmethod
-    def velocity(self, t: float, view: View, own_speed: Array | None, goal: Goal) -> Array:
+    def velocity(self, t: float, view: View, own: Own | None, goal: Goal) -> Array:
         """Return the joint's velocity (...) [rad/s], before its limits.
 
-        t: plant time of what is seen [s]; own_speed: of the joint by its encoder (...) [rad/s]
+        t: plant time of what is seen [s]; own: None where there is no encoder to be heard
         """
 
 
@@ -33,20 +42,19 @@ class LineByModel(Law):
 
     MOST = 0.85  # share of the best turn above which even a lone agent gains nothing
 
-    def __init__(
-        self, joint: int, *, gain: float, horizon: float, memory: float, period: float
-    ) -> None:
-        """Turn joint `joint` (from 0): see `JointAgent` for the rest."""
+    def __init__(self, body: Body, joint: int, *, gain: float, horizon: float, memory: float):
+        """Turn joint `joint` (from 0) of that body: see `JointAgent` for the rest."""
         self._joint = joint
+        self._stops = Stops(body.robot.lower[joint], body.robot.upper[joint])
         self._horizon = horizon
-        self._kept = float(np.exp(-period / memory))
+        self._kept = float(np.exp(-body.period / memory))
         self._gain = EagerGain(gain, max(gain, self.MOST))
         self._seen = SeenVelocity()
 
-    def velocity(self, t: float, view: View, own_speed: Array | None, goal: Goal) -> Array:
+    def velocity(self, t: float, view: View, own: Own | None, goal: Goal) -> Array:
         """Return the velocity (...) [rad/s]."""
         assert view.arm is not None
-        assert own_speed is not None  # the view's arm was made of the encoders
+        assert own is not None  # the view's arm was made of the encoders
         hand = view.arm.tip
         drift = self._seen.after(t, hand)
         ahead = hand if drift is None else hand + drift * self._horizon
@@ -56,7 +64,8 @@ class LineByModel(Law):
             view.arm.points[..., self._joint, :],
             view.arm.axes[..., self._joint, :],
         )
-        return own_speed * self._kept + self._gain.after(turn) * turn / self._horizon
+        turn = self._stops.turn(t, own.angle, turn)
+        return own.speed * self._kept + self._gain.after(turn) * turn / self._horizon
 
 
 class LineByEye(Law):
@@ -90,7 +99,7 @@ class LineByEye(Law):
         self._will: Array | None = None
         self._will_before: Array | None = None
 
-    def velocity(self, t: float, view: View, own_speed: Array | None, goal: Goal) -> Array:
+    def velocity(self, t: float, view: View, own: Own | None, goal: Goal) -> Array:
         """Return the velocity (...) [rad/s]; the encoder, if there is one, is not looked at."""
         elapsed = t - self._t
         if not 0 <= elapsed <= SeenVelocity.GAP:
@@ -141,7 +150,7 @@ class StepByModel(Law):
         self._speed = speed
         self._step = speed * period
 
-    def velocity(self, t: float, view: View, own_speed: Array | None, goal: Goal) -> Array:
+    def velocity(self, t: float, view: View, own: Own | None, goal: Goal) -> Array:
         """Return plus or minus the step's speed, or 0: (...) [rad/s]."""
         assert view.arm is not None
         point = view.arm.points[..., self._joint, :]
@@ -171,7 +180,7 @@ class StepByEye(Law):
         self._distance: Array | None = None
         self._t = -np.inf
 
-    def velocity(self, t: float, view: View, own_speed: Array | None, goal: Goal) -> Array:
+    def velocity(self, t: float, view: View, own: Own | None, goal: Goal) -> Array:
         """Return plus or minus the speed: (...) [rad/s]."""
         distance = ((view.hand - goal.at(t)) ** 2).sum(axis=-1)
         if self._way is None or self._distance is None:
