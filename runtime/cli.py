@@ -1,0 +1,88 @@
+"""The `msma` command: finds the module of a verb, and runs it."""
+
+import argparse
+import ast
+import importlib
+import os
+import pkgutil
+import sys
+from collections.abc import Sequence
+from importlib.util import find_spec
+
+import runtime.verbs
+from plant.errors import MsmaError
+from runtime.tree import valid_are
+
+_GROUP = "msma.verbs"
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run `msma VERB ...` and return its exit code: 2 for bad input, 130 when interrupted."""
+    verb, *rest = (sys.argv[1:] if argv is None else argv) or [""]
+    try:
+        if verb in ("", "-h", "--help"):
+            print(_help())
+            return 0 if verb else 2
+        module = importlib.import_module(_module(verb))
+        parser = argparse.ArgumentParser(prog=f"msma {verb}", description=module.__doc__)
+        module.add_arguments(parser)
+        code: int = module.run(parser.parse_args(rest))
+        sys.stdout.flush()
+        return code
+    except MsmaError as error:
+        print("msma:", " ".join(str(error).splitlines()), file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        return 130
+    except BrokenPipeError:  # who reads our output has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+
+
+def launch() -> int:
+    """Run `msma-launch ...`, which is `msma launch ...`."""
+    return main(["launch", *sys.argv[1:]])
+
+
+def _module(verb: str) -> str:
+    """Return the name of the verb's module.
+
+    Our own verbs are found without a look at what is installed, which would add 30 ms to the
+    start of every process.
+    """
+    ours = f"{runtime.verbs.__name__}.{verb}"
+    if verb.isidentifier() and find_spec(ours):
+        return ours
+    verbs = _verbs()
+    if verb not in verbs:
+        raise MsmaError(f"there is no verb {verb!r}{valid_are(verb, verbs)}")
+    return verbs[verb]
+
+
+def _verbs() -> dict[str, str]:
+    """Return the module of each verb: ours, and those that others add as entry points."""
+    from importlib.metadata import entry_points
+
+    ours = runtime.verbs
+    found = {m.name: f"{ours.__name__}.{m.name}" for m in pkgutil.iter_modules(ours.__path__)}
+    return {entry.name: entry.value for entry in entry_points(group=_GROUP)} | found
+
+
+def _help() -> str:
+    lines = ["usage: msma VERB ...", "", "msma VERB --help tells more of each:", ""]
+    lines += [f"  {verb:10}{_docstring(module)}" for verb, module in sorted(_verbs().items())]
+    return "\n".join(lines)
+
+
+def _docstring(module: str) -> str:
+    """Return the first line of a module's docstring, without importing it."""
+    spec = find_spec(module)
+    if spec is None or spec.origin is None:
+        return "(not found)"
+    with open(spec.origin, encoding="utf-8") as stream:
+        text = ast.get_docstring(ast.parse(stream.read())) or ""
+    return text.partition("\n")[0]
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,99 @@
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from runtime.cli import launch, main
+
+ROOT = Path(__file__).parents[2]
+FILE = str(ROOT / "deploy" / "arph.yaml")
+
+
+def test_a_valid_file_is_said_to_be_valid(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["validate", FILE]) == 0
+    assert capsys.readouterr().out == f"{FILE}: valid: robot arph, 9 processes\n"
+
+
+def test_a_mistake_is_one_line_and_exit_code_2(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["validate", FILE, "--speed", "0"]) == 2
+    out, err = capsys.readouterr()
+    assert (out, err) == ("", "msma: --speed 0: speed: 0 must be positive, such as 1\n")
+
+
+def test_the_schema_is_printed_without_a_file(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit, match="0"):
+        main(["validate", "--schema"])
+    assert "period" in json.loads(capsys.readouterr().out)["properties"]
+
+
+def test_an_unknown_verb_is_refused_with_the_nearest(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["valdate"]) == 2
+    told = capsys.readouterr().err
+    assert told.startswith("msma: there is no verb 'valdate'; did you mean 'validate'? valid are ")
+
+
+@pytest.mark.parametrize(("argv", "code"), [(["--help"], 0), (["-h"], 0), ([], 2)])
+def test_help_lists_the_verbs(
+    argv: list[str], code: int, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(argv) == code
+    assert "  validate  Say whether a deployment file is valid" in capsys.readouterr().out
+
+
+VERB = '''"""Does what it is told."""
+def add_arguments(parser):
+    parser.add_argument("what")
+def run(args):
+    if args.what == "interrupt":
+        raise KeyboardInterrupt
+    return int(args.what)
+'''
+
+
+def test_a_verb_of_another_package_is_found_as_an_entry_point(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "other_verb.py").write_text(VERB)
+    (tmp_path / "other-1.dist-info").mkdir()
+    entry = "[msma.verbs]\nobey = other_verb\n"
+    (tmp_path / "other-1.dist-info" / "entry_points.txt").write_text(entry)
+    monkeypatch.syspath_prepend(str(tmp_path))
+    assert main(["obey", "3"]) == 3
+    assert main(["obey", "interrupt"]) == 130
+    assert main(["--help"]) == 0
+    assert "  obey      Does what it is told." in capsys.readouterr().out
+
+
+def test_msma_launch_is_msma_with_the_verb_launch(monkeypatch: pytest.MonkeyPatch) -> None:
+    def heard(argv: list[str]) -> int:
+        assert argv == ["launch", FILE]
+        return 7
+
+    monkeypatch.setattr("runtime.cli.main", heard)
+    monkeypatch.setattr(sys, "argv", ["msma-launch", FILE])
+    assert launch() == 7
+
+
+def test_from_a_checkout_it_imports_no_more_than_the_verb_needs() -> None:
+    watch = "import atexit, sys; atexit.register(lambda: print(*sys.modules))"
+    program = f"{watch}; from runtime.cli import main; main(['validate', {FILE!r}])"
+    result = subprocess.run(
+        [sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    said, imported = result.stdout.splitlines()
+    assert said.endswith("valid: robot arph, 9 processes")
+    verbs = [name for name in imported.split() if name.startswith("runtime.verbs.")]
+    assert verbs == ["runtime.verbs.validate"]
+    assert not {"importlib.metadata", "zenoh", "rich", "difflib"} & set(imported.split())
+
+
+def test_a_reader_that_has_seen_enough_is_no_error() -> None:
+    read, write = os.pipe()
+    os.close(read)
+    program = [sys.executable, "-m", "runtime.cli", "validate", FILE]
+    result = subprocess.run(program, cwd=ROOT, stdout=write, stderr=subprocess.PIPE, text=True)
+    os.close(write)
+    assert (result.returncode, result.stderr) == (0, "")
