@@ -164,10 +164,10 @@ class File(Kind):
         """Return the absolute path."""
         text = Text(Pattern(".+", "a path", self.such_as)).read(node, scope)
         folder = Path.cwd() if self.output else node.place.folder
-        path = Path(os.path.abspath(folder / Path(text).expanduser()))
-        if not self.output and not path.exists():
+        path = os.path.abspath(folder / os.path.expanduser(text))
+        if not self.output and not os.path.exists(path):
             raise node.error(f"there is no file {path}")
-        return path
+        return Path(path)
 
     def write(self, value: Any) -> str:
         """Return the path as text."""

@@ -101,7 +101,7 @@ class Field:
     def write(self, value: Any) -> dict[str, Any]:
         """Return the key with its value, or nothing for a default that no file can say."""
         unsaid = value is None or (isinstance(value, float) and not math.isfinite(value))
-        if unsaid and (self.derived or value == self.default):
+        if unsaid and value is self.default:
             return {}
         return {self.key: self.kind.write(value)}
 
@@ -147,9 +147,11 @@ class Record(Kind):
         return value
 
     def _others(self, node: Node, scope: Scope, fields: "Sequence[Field] | None") -> dict[str, Any]:
+        known = {field.key for field in self.fields}
         if fields is None:
-            known = {field.key for field in self.fields}
             return {key: n.plain() for key, n in node.children.items() if key not in known}
+        for taken in known & {field.key for field in fields}:
+            raise node.error(f"the key {taken!r} has a meaning here; no parameter can be named so")
         _refuse_others(node, (*self.fields, *fields))
         return {field.name: field.read(node, scope) for field in fields}
 

@@ -40,10 +40,10 @@ class Description:
         """Load the robot; a path is relative to the file that says it."""
         source = Text(None).read(node, scope)
         if Path(source).suffix or os.sep in source:
-            source = os.path.abspath(node.place.folder / Path(source).expanduser())
+            source = os.path.abspath(node.place.folder / os.path.expanduser(source))
         try:
             return cls(source, urdf.load(source))
-        except MsmaError as error:
+        except (OSError, ValueError) as error:
             raise node.error(str(error)) from error
 
     def __str__(self) -> str:

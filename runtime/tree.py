@@ -1,6 +1,7 @@
 """A YAML file as a tree of nodes, each of which knows where it was written."""
 
 import os
+import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -58,10 +59,10 @@ class Node:
 
     @property
     def role(self) -> str:
-        """The name that an item of a list may go by, apart from its index."""
+        """The name that an item of a list may go by, apart from its index, or nothing."""
         listed = self.parent is not None and isinstance(self.parent.value, list)
-        role = self.value.get("role") if listed and isinstance(self.value, dict) else None
-        return role.value if role is not None and isinstance(role.value, str) else ""
+        role = self.children["role"].text if listed and "role" in self.children else ""
+        return role if re.fullmatch(r"[a-z][\w/-]*", role) else ""
 
     @property
     def text(self) -> str:
@@ -70,7 +71,7 @@ class Node:
             return "{" + ", ".join(f"{key}: {n.text}" for key, n in self.value.items()) + "}"
         if isinstance(self.value, list):
             return "[" + ", ".join(node.text for node in self.value) + "]"
-        return self.value or ""
+        return " ".join((self.value or "").split())
 
     @property
     def children(self) -> "dict[str, Node]":
@@ -80,8 +81,9 @@ class Node:
         return self.value if isinstance(self.value, dict) else {}
 
     def error(self, message: str, place: Place | None = None) -> ConfigError:
-        """Say what is wrong with this value, or with what stands at `place` in it."""
-        return ConfigError(": ".join(filter(None, (str(place or self.place), self.path, message))))
+        """Say in one line what is wrong with this value, or with what stands at `place` in it."""
+        parts = str(place or self.place), self.path, " ".join(message.splitlines())
+        return ConfigError(": ".join(filter(None, parts)))
 
     def find(self, *names: str | int) -> "Node":
         """Return the node of that path, or the last on the way to it that was written."""

@@ -1,3 +1,4 @@
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -274,3 +275,25 @@ def test_a_deployment_loads_again_from_what_it_dumps(corner: Path, values: dict[
     again = load(corner / "dump.yaml")
     assert again == deployment
     assert again.dump() == deployment.dump()
+
+
+SCRAPS = ["[", "{", "}", ":", "\n", "- ", "&a ", "*a", "!!x ", "'", "~", "-1 ms", "nan", "<<: "]
+SCRAPS += ["\0", "x" * 300]
+
+
+@settings(deadline=None, max_examples=200)
+@given(data=st.data())
+def test_a_garbled_file_is_read_or_refused_in_one_line(corner: Path, data: st.DataObject) -> None:
+    text = GOOD
+    for _ in range(data.draw(st.integers(1, 3))):
+        start = data.draw(st.integers(0, len(text)))
+        end = start + data.draw(st.sampled_from([0, 1, 3, 30]))
+        text = text[:start] + data.draw(st.sampled_from(SCRAPS)) + text[end:]
+    (corner / "garbled.yaml").write_text(text)
+    try:
+        load(corner / "garbled.yaml")
+    except ConfigError as error:
+        said = str(error)
+    else:
+        return
+    assert re.match(rf"{corner}/garbled.yaml:\d+:\d+: .+$", said)

@@ -91,6 +91,8 @@ def test_a_value_is_read_as_it_is_declared_and_again_as_it_is_written(
         ),
         ("B", Annotated[str, Pattern("[a-z]", "a letter", "b")], "'B' is not a letter, such as b"),
         ("nowhere", Path, "there is no file /nowhere"),
+        ("~nobody-of-that-name/x", Path, "there is no file /~nobody-of-that-name/x"),
+        ("x" * 999, Path, "there is no file /xxx"),
     ],
 )
 def test_a_value_that_does_not_fit_is_refused_with_what_would(

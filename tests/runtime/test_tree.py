@@ -37,6 +37,12 @@ def test_a_listed_mapping_goes_by_its_role() -> None:
     assert str(error) == "x.yaml:1:32: agents.joint/1.gain: is wrong"
 
 
+def test_a_message_is_one_line_whatever_it_is_about() -> None:
+    root = parse("agents: [{role: 'a\n\n b'}, {role: ok/1}]", START)
+    assert str(root.find("agents", 0).error("two\nlines")) == "x.yaml:1:10: agents.0: two lines"
+    assert root.find("agents", 0, "role").text == "a b"
+
+
 @pytest.mark.parametrize("text", ["", "# only a remark\n", "---\n", "~", "null"])
 def test_a_file_may_hold_nothing(text: str) -> None:
     assert plain(text) is None
