@@ -28,12 +28,13 @@ def seat(base: int, slot: int, slots: int) -> Place:
     return Place(base + slot, tuple(base + one for one in lower))
 
 
-def visitor(base: int, slots: int = SLOTS) -> Place:
-    """Return the place of a tool, which dials all and is dialled by none.
+def visitor(base: int, roles: int = FIRST_COPY) -> Place:
+    """Return the place of a tool, which dials all roles and copies and is dialled by none.
 
-    Dialling 128 slots of which 10 answer costs it 0.1 s at the start and 2 % of a core.
+    Dialling 128 slots of which 10 answer costs it 0.1 s at the start and 2 % of a core, so one
+    that stays long should say how many roles there are.
     """
-    return Place(0, tuple(base + slot for slot in range(slots)))
+    return Place(0, tuple(base + slot for slot in (*range(roles), *range(FIRST_COPY, SLOTS))))
 
 
 def config(robot: str, place: Place) -> zenoh.Config:

@@ -111,6 +111,7 @@ class Process:
         """Go through with the loop, in the main thread, and return the exit code."""
         self.ending.catch_signals()
         self.journal.write(self.t, "start", role=self.role, pid=os.getpid())
+        self.journal.flush()
         self.bus.answer(keys.stop(self.role), self._stop)
         self.bus.answer(keys.diag(self.role), lambda _: self._diag_bytes(loop))
         self.bus.announce(self.role)

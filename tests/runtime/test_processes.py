@@ -1,0 +1,257 @@
+"""Real processes on a real bus: what each of them does when others come, go, hang and lie."""
+
+import json
+import math
+import signal
+import time
+from collections.abc import Callable
+from itertools import pairwise
+from typing import Any
+
+import pytest
+
+from runtime import keys
+from runtime.messages import Diag, GoalMessage, HandPose, JointCommand, JointStates, unpack
+from tests.runtime.conftest import Crew, wait_for
+
+ARM = ("joint/1", "joint/2", "joint/3")
+
+
+@pytest.fixture(autouse=True)
+def quick(crew: Crew) -> None:
+    """Quick loops, so that tests are short."""
+    crew.options += ["--set", "period=20ms"]
+
+
+def log(crew: Crew, role: str, event: str) -> list[dict[str, Any]]:
+    path = crew.run / f"{keys.file_name(role)}.jsonl"
+    lines = map(json.loads, path.read_text(encoding="utf-8").splitlines())
+    return [line for line in lines if line["event"] == event]
+
+
+def answered_by(role: str) -> Callable[[Diag], bool]:
+    return lambda diag: role in diag.answers
+
+
+def runs(diag: Diag) -> bool:
+    return diag.state == "runs"
+
+
+def test_a_run_with_a_duration_ends_by_itself_in_every_process(crew: Crew) -> None:
+    crew.options += ["--duration", "1s"]
+    roles = ("plant", "goal", "joint/1", "platform")
+    crew.start(*roles)
+    for role in roles:
+        code, said = crew.result(role)
+        assert (code, said.splitlines()[-1]) == (0, f"{role} of {crew.robot}: the run is over")
+        assert log(crew, role, "end")[0]["reason"] == "the run is over"
+    ticks = log(crew, "plant", "tick")
+    assert [tick["t"] for tick in ticks] == pytest.approx([0.02 * k for k in range(51)])
+
+
+def test_plant_time_begins_with_the_first_command(crew: Crew) -> None:
+    crew.start("plant")
+    bus = crew.visit()
+    ring = bus.ring(keys.JOINTS)
+    for _ in range(10):
+        assert unpack(JointStates, ring.recv().data).t == 0.0
+    bus.publisher(keys.joint_command(1)).send(JointCommand(0.0, 0.1))
+    wait_for(lambda: unpack(JointStates, ring.recv().data).t > 0.1, "time to pass")
+
+
+@pytest.mark.parametrize("role", ["plant", "goal", "joint/1"])
+def test_who_is_alone_ends_with_a_message_when_patience_ends(crew: Crew, role: str) -> None:
+    crew.options += ["--set", "patience=500ms"]
+    crew.start(role)
+    code, said = crew.result(role, timeout=5.0)
+    assert code == 1
+    assert "for 0.5 s" in said.splitlines()[-1]
+
+
+def test_when_the_plant_is_gone_the_others_end_soon(crew: Crew) -> None:
+    crew.options += ["--set", "patience=1s"]
+    crew.start("plant", "goal", "joint/1")
+    bus = crew.visit()
+    crew.until(bus, "joint/1", runs, "runs")
+    crew.kill("plant")
+    for role in ("goal", "joint/1"):
+        code, said = crew.result(role, timeout=4.0)
+        assert code == 1
+        assert "no plant was heard for 1 s" in said
+
+
+@pytest.mark.parametrize(
+    ("number", "code"), [(signal.SIGTERM, 0), (signal.SIGINT, 130)], ids=["SIGTERM", "SIGINT"]
+)
+@pytest.mark.parametrize("role", ["plant", "joint/1"])
+def test_a_signal_ends_a_process_gracefully_within_a_second(
+    crew: Crew, role: str, number: int, code: int
+) -> None:
+    crew.start(role)
+    bus = crew.visit()
+    wait_for(lambda: crew.diag(bus, role), "it to be there")
+    crew.kill(role, number)
+    assert crew.result(role, timeout=1.0)[0] == code
+    assert bus.who_is_alive() == []
+    assert log(crew, role, "end")
+
+
+def test_a_process_that_is_asked_to_stop_says_so_and_stops(crew: Crew) -> None:
+    crew.start("joint/2")
+    bus = crew.visit()
+    wait_for(lambda: crew.diag(bus, "joint/2"), "it to be there")
+    assert [answer.data for answer in bus.ask(keys.stop("joint/2"))] == [b"ok"]
+    assert crew.result("joint/2", timeout=1.5)[0] == 0
+
+
+def test_a_second_process_in_the_same_role_is_told_that_its_port_is_taken(crew: Crew) -> None:
+    crew.start("joint/1")
+    wait_for(lambda: crew.diag(crew.visit(), "joint/1"), "it to be there")
+    crew.start("joint/1")
+    code, said = crew.result("joint/1")
+    assert code == 2
+    assert said.count("\n") == 1
+    assert f"port {crew.port + 2}" in said
+    assert "--copy" in said
+
+
+def test_the_others_go_on_when_an_agent_is_killed_and_its_joint_comes_to_rest(crew: Crew) -> None:
+    crew.start("plant", "goal", *ARM)
+    bus = crew.visit()
+    for role in ARM:
+        crew.until(bus, "plant", answered_by(role), f"is answered by {role}")
+    crew.kill("joint/2")
+    killed_at = crew.until(bus, "plant", runs, "runs").t
+    crew.until(bus, "plant", lambda diag: diag.t > killed_at + 1.0, "goes on for a second")
+    crew.kill("plant", signal.SIGTERM)
+    assert crew.result("plant")[0] == 0
+    last = log(crew, "plant", "tick")[-1]
+    assert last["qd"][1] == 0.0
+    assert last["age"][1] is None
+    assert last["age"][0] < 0.1
+    assert last["age"][2] < 0.1
+
+
+def test_a_revived_agent_is_heard_again_and_nobody_else_is_restarted(crew: Crew) -> None:
+    crew.start("plant", "goal", "joint/1")
+    bus = crew.visit()
+    crew.until(bus, "plant", answered_by("joint/1"), "is answered")
+    crew.kill("joint/1")
+    ring = bus.ring(keys.joint_command(1))
+    former = {unpack(JointCommand, one.data).by for one in ring.waiting(8)}
+    started = time.monotonic()
+    crew.start("joint/1")
+    command = unpack(JointCommand, ring.recv().data)
+    while command.by in former:
+        command = unpack(JointCommand, ring.recv().data)
+    assert time.monotonic() - started < 3.0  # generous: tests may share two cores with others
+    assert len(log(crew, "joint/1", "start")) == 2
+    assert len(log(crew, "plant", "start")) == 1
+
+
+def test_a_copy_takes_over_and_the_first_one_again_when_the_copy_dies(crew: Crew) -> None:
+    crew.start("plant", "goal", "joint/1")
+    bus = crew.visit()
+    crew.until(bus, "plant", answered_by("joint/1"), "is answered")
+    first = crew.all["joint/1"]
+    crew.start("joint/1", more=("--run", str(crew.run), "--copy"))
+    copy = crew.all["joint/1"]
+    wait_for(lambda: len(bus.ask(keys.diag("joint/1"))) == 2, "both to be there")
+    copy.kill()
+    copy.wait()
+    before = crew.until(bus, "plant", runs, "runs")
+    crew.until(bus, "plant", lambda diag: diag.t > before.t + 1.0, "goes on for a second")
+    crew.kill("plant", signal.SIGTERM)
+    crew.result("plant")
+    assert first.poll() is None or first.returncode == 0
+    assert log(crew, "plant", "tick")[-1]["age"][0] < 0.1
+
+
+def test_plant_time_stands_still_while_the_plant_is_stopped(crew: Crew) -> None:
+    crew.start("plant", "goal", "joint/1")
+    bus = crew.visit()
+    before = crew.until(bus, "plant", answered_by("joint/1"), "is answered")
+    crew.kill("plant", signal.SIGSTOP)
+    stopped = time.monotonic()
+    wait_for(lambda: time.monotonic() > stopped + 1.5, "a while")
+    crew.kill("plant", signal.SIGCONT)
+    after = crew.until(bus, "plant", runs, "runs")
+    assert after.t - before.t < 0.7
+    crew.kill("plant", signal.SIGTERM)
+    crew.result("plant")
+    ticks = log(crew, "plant", "tick")
+    for former, latter in pairwise(ticks):
+        assert latter["t"] - former["t"] == pytest.approx(0.02)
+        for i in range(3):
+            assert abs(latter["q"][i] - former["q"][i]) < 1.0 * 0.02
+
+
+def test_the_arm_follows_its_goal_when_the_goal_source_is_killed(crew: Crew) -> None:
+    crew.start("plant", "goal", *ARM, "platform")
+    bus = crew.visit()
+    goals = bus.ring(keys.GOAL)
+    crew.until(bus, "plant", lambda diag: len(diag.answers) == 4, "is answered by all")
+    goal = unpack(GoalMessage, goals.recv().data)
+    crew.kill("goal")
+    crew.until(bus, "plant", lambda diag: diag.t > 4.0, "goes on to 4 s")
+    hand = unpack(HandPose, bus.ring(keys.HAND).recv().data)
+    for i in range(3):
+        assert hand.position[i] == pytest.approx(
+            goal.position[i] + goal.velocity[i] * (hand.t - goal.since), abs=0.02
+        )
+
+
+def test_a_fault_is_confirmed_and_breaks_the_joint(crew: Crew) -> None:
+    crew.start("plant", "goal", "joint/1")
+    bus = crew.visit()
+    crew.until(bus, "plant", answered_by("joint/1"), "is answered")
+    (answer,) = bus.ask(keys.FAULT, b"joint/1:locked")
+    assert (answer.data, answer.agreed) == (b"ok", True)
+    wait_for(lambda: log(crew, "plant", "fault"), "the fault in the log")
+    t = log(crew, "plant", "fault")[0]["t"]
+    wait_for(lambda: log(crew, "plant", "tick")[-1]["t"] > t + 1.0, "a second")
+    assert log(crew, "plant", "tick")[-1]["qd"][0] == 0.0
+
+
+def test_a_fault_that_there_is_not_is_refused_with_what_is_valid(crew: Crew) -> None:
+    crew.start("plant")
+    bus = crew.visit()
+    (answer,) = wait_for(lambda: bus.ask(keys.FAULT, b"joint/9:locked"), "an answer")
+    assert not answer.agreed
+    assert b"joint/9" in answer.data
+
+
+def test_a_lost_encoder_leaves_the_others_sighted(crew: Crew) -> None:
+    crew.start("plant", "goal", "joint/1")
+    bus = crew.visit()
+    crew.until(bus, "plant", answered_by("joint/1"), "is answered")
+    bus.ask(keys.FAULT, b"encoder/2:lost")
+    ring = bus.ring(keys.JOINTS)
+
+    def look() -> JointStates | None:
+        states = unpack(JointStates, ring.recv().data)
+        return states if math.isnan(states.position[1]) else None
+
+    assert math.isfinite(wait_for(look, "a lost encoder").position[0])
+
+
+def test_a_process_started_by_hand_logs_in_the_folder_of_the_run(crew: Crew) -> None:
+    crew.start("plant")
+    bus = crew.visit()
+    wait_for(lambda: crew.diag(bus, "plant"), "the plant")
+    crew.start("joint/1", more=())
+    diag = wait_for(lambda: crew.diag(bus, "joint/1"), "the agent")
+    assert diag.run == str(crew.run)
+    assert diag.deployment == str(crew.file)
+
+
+def test_two_robots_on_one_machine_do_not_hear_each_other(make_crew: Callable[[], Crew]) -> None:
+    crews = make_crew(), make_crew()
+    for crew in crews:
+        crew.options += ["--set", "period=20ms", "--duration", "1s"]
+        crew.start("plant", "goal", "joint/1")
+    for crew in crews:
+        for role in ("plant", "goal", "joint/1"):
+            assert crew.result(role)[0] == 0
+        ticks = log(crew, "plant", "tick")
+        assert [tick["t"] for tick in ticks] == pytest.approx([0.02 * k for k in range(51)])
