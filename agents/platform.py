@@ -22,6 +22,7 @@ class Scene(NamedTuple):
     going: (..., 3) [m/s], the velocity of the goal
     place: (..., 3) [m] of the platform, on the floor; heading: (...) [rad]; ahead: its direction
     linear, angular: (...) [m/s], [rad/s], its own speeds
+    drift: (..., 3) [m/s], the velocity of the hand
     carried: (...) [m], how far ahead of its axle the platform carries the hand
     """
 
@@ -33,6 +34,7 @@ class Scene(NamedTuple):
     ahead: Array
     linear: Array
     angular: Array
+    drift: Array
     carried: Array
 
 
@@ -48,10 +50,10 @@ class PlatformAgent(Agent):
     3. *Line up*, weakly: turn to where the hand travels and to where the arm points, and keep the
        arm at a comfortable reach, as a person walks up to a book instead of stretching for it.
        This is bounded in acceleration, so that it costs the hand no more than a millimetre or so
-       and the person beside the robot sees smooth, foreseeable moves. Where the hand is carried
-       beside or behind the axle, turning can not serve it, and lining up is all the steering.
+       and the person beside the robot sees smooth, foreseeable moves. Where turning does not
+       serve the hand, lining up is all the steering, and brisker (`_steering`).
     4. *Leave deadlocks*: when it turns and the arm turns back, and the hand gets no nearer, it
-       stands still for a cycle and lets the arm go first (`Deadlock`).
+       stops turning for a cycle and lets the arm go first (`Deadlock`).
     """
 
     def __init__(
@@ -121,16 +123,17 @@ class PlatformAgent(Agent):
         self.perception = "blackboard" if view.modelled.all() else "localiser"
         scene = self._scene(percepts.t, view.hand, percepts.base, percepts.goal)
         linear, angular = self._bring_nearer(percepts.t, scene, percepts.goal)
-        lined_linear, lined_angular = self._line_up(scene)
-        freedom = 1 - _in_front(scene)
-        ease_angular = self._ease_angular * (1 + BRISK * freedom)
-        lined_angular = lined_angular * (1 + freedom)
+        lined_linear, lined_angular, top = self._line_up(scene)
+        steering = _steering(scene)
+        ease_angular = self._ease_angular * (1 + 2 * BRISK * steering)
+        lined_angular = lined_angular * (1 + BRISK * steering)
         linear = linear + _within(lined_linear - scene.linear, self._ease_linear)
         angular = angular + _within(lined_angular - scene.angular, ease_angular)
-        waiting = self._deadlock.waiting(percepts.t, scene.missing, scene.angular)
+        waiting = self._deadlock.waiting(percepts.t, scene.missing, scene.angular, _swing(scene))
+        waiting &= _far(scene) < 1
         speeds: Array = np.stack(
             [
-                np.where(waiting, 0.0, np.minimum(np.maximum(linear, 0.0), self._drive.max_linear)),
+                np.minimum(np.maximum(linear, 0.0), top),
                 np.where(waiting, 0.0, _within(angular, self._drive.max_angular)),
             ],
             axis=-1,
@@ -149,6 +152,7 @@ class PlatformAgent(Agent):
         )
         if motion is None:
             motion = np.zeros_like(place)
+        drift = self._hand_motion.after(t, hand)
         return Scene(
             hand=hand,
             missing=goal.at(t) - hand,
@@ -158,23 +162,27 @@ class PlatformAgent(Agent):
             ahead=ahead,
             linear=(motion[..., :2] * ahead[..., :2]).sum(axis=-1),
             angular=motion[..., 2],
+            drift=np.zeros_like(hand) if drift is None else drift,
             carried=((hand - place) * ahead).sum(axis=-1),
         )
 
     def _bring_nearer(self, t: float, scene: Scene, goal: Goal) -> tuple[Array, Array]:
         """Return the speeds that serve the hand: its own, corrected (section 3.1)."""
-        drift = self._hand_motion.after(t, scene.hand)
-        hand = scene.hand if drift is None else scene.hand + drift * self._horizon
+        hand = scene.hand + scene.drift * self._horizon
         place = goal.ahead(t, self._horizon)
         advance = ((place - hand) * scene.ahead).sum(axis=-1)
         turn = best_turn(hand, place, scene.place, UP)
         return (
             scene.linear + self._advancing.after(advance) * advance / self._horizon,
-            scene.angular + _in_front(scene) * self._turning.after(turn) * turn / self._horizon,
+            scene.angular
+            + (1 - _steering(scene)) * self._turning.after(turn) * turn / self._horizon,
         )
 
-    def _line_up(self, scene: Scene) -> tuple[Array, Array]:
-        """Return the speeds at which platform, arm and travel would come to be lined up."""
+    def _line_up(self, scene: Scene) -> tuple[Array, Array, Array]:
+        """Return the speeds at which platform, arm and travel come to be lined up, and the top.
+
+        The top speed is less the more it heads past a goal that is far: it turns first.
+        """
         arm = scene.hand - self._root_in_world(scene)
         level = np.sqrt((arm[..., :2] * arm[..., :2]).sum(axis=-1))
         off_reach = np.sqrt(level * level + arm[..., 2] * arm[..., 2]) - self._reach
@@ -182,21 +190,21 @@ class PlatformAgent(Agent):
         # where to go, seen from above [m]: along the hand's travel as far as a steering platform
         # must look ahead, to what is missing, and to where the arm has a comfortable reach
         lead = np.maximum(LEAD, -1.5 * scene.carried) / np.maximum(speed, COURSE_SPEED)
-        ease = _within(off_reach, LEAD) / np.maximum(level, NEAR_ROOT)
-        way = (
-            lead[..., None] * scene.going[..., :2]
-            + scene.missing[..., :2]
-            + ease[..., None] * arm[..., :2]
-        )
+        missing = scene.missing[..., :2]
+        ease = np.maximum(_within(off_reach, LEAD), 0.0) / np.maximum(level, NEAR_ROOT)
+        way = lead[..., None] * scene.going[..., :2] + missing + ease[..., None] * arm[..., :2]
         course = np.arctan2(way[..., 1], way[..., 0]) - scene.heading
         bearing = np.arctan2(arm[..., 1], arm[..., 0]) - scene.heading - self._bearing
         weight = np.minimum(np.sqrt((way * way).sum(axis=-1)) / LEAD, 1.0)
+        arms = ARM_WEIGHT * _in_front(scene)
         turn = np.arctan2(
-            weight * np.sin(course) + ARM_WEIGHT * np.sin(bearing),
-            weight * np.cos(course) + ARM_WEIGHT * np.cos(bearing),
+            weight * np.sin(course) + arms * np.sin(bearing),
+            weight * np.cos(course) + arms * np.cos(bearing),
         )
         linear = speed * weight * np.cos(course) + self._hurry * off_reach * np.cos(bearing)
-        return np.minimum(np.maximum(linear, 0.0), self._drive.max_linear), self._align * turn
+        facing = np.minimum(np.maximum(np.cos(course), 0.0) + 1 - _far(scene), 1.0)
+        top = self._drive.max_linear * facing
+        return np.minimum(np.maximum(linear, 0.0), top), self._align * turn, top
 
     def _root_in_world(self, scene: Scene) -> Array:
         along, across = scene.ahead[..., 0], scene.ahead[..., 1]
@@ -206,22 +214,45 @@ class PlatformAgent(Agent):
         return root
 
 
-LEAD = 0.3  # [m] how far along the hand's travel a steering platform looks, at the least
+LEAD = 0.2  # [m] how far along the hand's travel a steering platform looks, at the least
 COURSE_SPEED = 0.05  # [m/s] from which the goal's travel counts in full
 NEAR_ROOT = 0.05  # [m] from the arm's root within which the arm points nowhere
 ARM_WEIGHT = 0.4  # of where the arm points, beside where the hand has to go
 FRONT = 0.2  # [m] ahead of the axle from which turning serves the hand in full
-BRISK = 10.0  # times as quickly may it change its turning where that does not serve the hand
+FAR = 0.4  # [m] from the goal, seen from above, from which it is driven to
+BRISK = 6.0  # times as briskly does it line up where turning does not serve the hand
 
 
 def _in_front(scene: Scene) -> Array:
-    """Return how far (...), 0 to 1, turning the platform serves the hand.
-
-    A hand carried beside or behind the axle goes the wrong way first when the platform steers:
-    it is to be led by where the platform goes, as a driver leads a trailer.
-    """
+    """Return how far (...), 0 to 1, the platform carries the hand in front of it."""
     share: Array = np.minimum(np.maximum(scene.carried / FRONT, 0.0), 1.0)
     return share
+
+
+def _far(scene: Scene) -> Array:
+    """Return how far off (...), 0 to 1, the goal is: more than the arm alone is to make up for."""
+    away = scene.missing[..., :2]
+    share: Array = np.minimum(np.sqrt((away * away).sum(axis=-1)) / FAR, 1.0)
+    return share
+
+
+def _steering(scene: Scene) -> Array:
+    """Return how much (...), 0 to 1, the platform steers as a car instead of serving the hand.
+
+    It does so when the goal is far, and when the hand is carried beside or behind the axle: that
+    goes the wrong way first when the platform turns, and is to be led as a driver leads a trailer.
+    """
+    share: Array = np.maximum(1 - _in_front(scene), _far(scene))
+    return share
+
+
+def _swing(scene: Scene) -> Array:
+    """Return how fast (...) [rad/s] the hand goes round the platform, seen from above."""
+    away = (scene.hand - scene.place)[..., :2]
+    drift = scene.drift[..., :2] - scene.linear[..., None] * scene.ahead[..., :2]
+    across = away[..., 0] * drift[..., 1] - away[..., 1] * drift[..., 0]
+    swing: Array = across / np.maximum((away * away).sum(axis=-1), NEAR_ROOT**2)
+    return swing
 
 
 def _within(value: Array, bound: Array | float) -> Array:

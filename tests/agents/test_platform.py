@@ -92,12 +92,12 @@ def test_a_platform_agent_needs_a_platform(body):
         PlatformAgent(body(2))
 
 
-def wait_times(distances, angular, period=0.1):
+def wait_times(distances, angular, swing=0.0, period=0.1):
     deadlock = Deadlock()
     times = []
     for tick, distance in enumerate(distances):
         missing = np.array([distance, 0.0, 0.0])
-        if deadlock.waiting(tick * period, missing, np.array(angular)):
+        if deadlock.waiting(tick * period, missing, np.array(angular), np.array(swing)):
             times.append(tick * period)
     return times
 
@@ -112,6 +112,10 @@ def test_turning_without_progress_is_a_deadlock_left_by_waits_and_new_tries():
 
 def test_progress_is_no_deadlock():
     assert not wait_times(0.3 * 0.96 ** np.arange(60), 0.2)
+
+
+def test_a_hand_that_turns_with_the_platform_is_no_deadlock():
+    assert not wait_times([0.3] * 60, 0.2, swing=0.15)
 
 
 def test_standing_still_is_no_deadlock():
