@@ -18,6 +18,7 @@ _GROUP = "msma.verbs"
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run `msma VERB ...` and return its exit code: 2 for bad input, 130 when interrupted."""
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # for small arrays
     verb, *rest = (sys.argv[1:] if argv is None else argv) or [""]
     try:
         if verb in ("", "-h", "--help"):

@@ -1,0 +1,35 @@
+"""Start all processes of a robot, stay with them to the end of the run, and say how it went."""
+
+import argparse
+import sys
+from typing import TYPE_CHECKING
+
+from runtime.launcher import Launcher, LaunchError, prepare
+from runtime.options import add_deployment_options, load_from
+
+if TYPE_CHECKING:
+    from runtime.screen import Screen
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the file and its overrides."""
+    add_deployment_options(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Launch; 0 if the hand ends within tolerance of the goal."""
+    deployment = load_from(args)
+
+    def make_screen() -> "Screen":
+        from runtime.screen import open_screen
+
+        return open_screen(deployment.duration)
+
+    try:
+        folder = prepare(deployment)
+        print(f"{deployment.robot}: the run's folder is {folder}", flush=True)
+        course = Launcher(deployment, folder, make_screen).go()
+    except LaunchError as error:
+        print(f"msma: {error}", file=sys.stderr)
+        return 1
+    return course.code
