@@ -1,0 +1,89 @@
+"""Where a planar arm with broken joints can reach: geometry alone, no agent and no search."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from plant.kinematics import Kinematics
+from plant.robot import Array, Robot
+from studies.study import StudyError
+
+
+class Ring(NamedTuple):
+    """All points whose distance from `centre` (..., 2) [m] is from `inner` to `outer` (...) [m]."""
+
+    centre: Array
+    inner: Array
+    outer: Array
+
+    def margin(self, place: Array) -> Array:
+        """How far inside the nearest border a place (..., 2) is [m]; negative outside.
+
+        The centre of a ring without a hole is no border.
+        """
+        away = np.sqrt(((place - self.centre) ** 2).sum(axis=-1))
+        inward = np.where(self.inner > 0.0, away - self.inner, np.inf)
+        margin: Array = np.minimum(self.outer - away, inward)
+        return margin
+
+    def draw(self, rng: np.random.Generator, margin: float) -> Array:
+        """Draw a place at least `margin` [m] inside for each ring, even by area: (..., 2) [m]."""
+        least = np.where(self.inner > 0.0, self.inner + margin, 0.0)
+        most = self.outer - margin
+        if (most < least).any():
+            raise StudyError(f"a ring is too narrow for a margin of {margin:g} m on either side")
+        radius = np.sqrt(rng.uniform(least**2, most**2))
+        return self._at(radius, rng.uniform(-np.pi, np.pi, radius.shape))
+
+    def draw_at_border(self, rng: np.random.Generator, margin: float) -> Array:
+        """Draw a place less than `margin` [m] inside, on either border, for each: (..., 2) [m]."""
+        depth = rng.uniform(0.0, np.minimum(margin, 0.5 * (self.outer - self.inner)))
+        hole = (self.inner > 0.0) & (rng.random(depth.shape) < 0.5)
+        radius = np.where(hole, self.inner + depth, self.outer - depth)
+        return self._at(radius, rng.uniform(-np.pi, np.pi, radius.shape))
+
+    def _at(self, radius: Array, angle: Array) -> Array:
+        place: Array = self.centre + radius[..., None] * np.stack(
+            [np.cos(angle), np.sin(angle)], axis=-1
+        )
+        return place
+
+
+def ring(robot: Robot, q: Array, broken: tuple[int, ...]) -> Ring:
+    """Return what the hand can reach when joints `broken` (from 0) stay as they are in q (..., n).
+
+    A planar arm, turning about z, whose joints have no stops. What lies between one joint that
+    turns and the next is one rigid link, however bent; a chain of rigid links of lengths l reaches
+    from max(0, 2 max l - sum l) to sum l around its first joint (the polygon inequality).
+    Raises `StudyError` for an arm that is not so, or with no joint left.
+    """
+    flat = all(np.allclose(np.abs(joint.axis), (0.0, 0.0, 1.0)) for joint in robot.joints)
+    if not flat or np.isfinite(robot.lower).any() or np.isfinite(robot.upper).any():
+        raise StudyError(f"robot '{robot.name}' is no planar arm without stops")
+    free = [i for i in range(robot.n) if i not in broken]
+    if not free:
+        raise StudyError("no joint is left that turns")
+    arm = Kinematics(robot).forward(q)
+    nodes = np.concatenate([arm.points[..., free, :2], arm.tip[..., None, :2]], axis=-2)
+    lengths = np.sqrt((np.diff(nodes, axis=-2) ** 2).sum(axis=-1))
+    outer = lengths.sum(axis=-1)
+    inner = 2.0 * lengths.max(axis=-1) - outer
+    inner = np.where(inner > 1e-9 * outer, inner, 0.0)  # a rounding error is no hole
+    return Ring(nodes[..., 0, :], inner, outer)
+
+
+def grid(area: Ring, count: int) -> Array:
+    """Return at least `count` places (M, 2) [m] of one ring, on the coarsest square grid.
+
+    The grid is centred on the ring; its spacing is found by shrinking it until there are enough.
+    """
+    outer = float(area.outer)
+    spacing = np.sqrt(np.pi * (outer**2 - float(area.inner) ** 2) / count) * 1.02
+    while True:
+        reach = np.arange(-np.ceil(outer / spacing), np.ceil(outer / spacing) + 1) * spacing
+        x, y = np.meshgrid(reach, reach)
+        places = np.stack([x.ravel(), y.ravel()], axis=-1) + area.centre
+        inside: Array = places[area.margin(places) >= 0.0]
+        if len(inside) >= count:
+            return inside
+        spacing *= 0.999
