@@ -35,7 +35,7 @@ class LaunchError(MsmaError, RuntimeError):
 
 
 class Happening(NamedTuple):
-    """Something that happened to the processes or the robot, at plant time `t` [s]."""
+    """Something that happened at plant time `t` [s]."""
 
     t: float
     text: str
@@ -47,7 +47,7 @@ class Course(NamedTuple):
     code: 130 if it was interrupted, else 0
     reason: why it ended
     view: what was to be seen last of the processes, while they lived
-    happenings: what happened
+    happenings: what happened to processes; what broke in the robot is in the plant's log
     """
 
     code: int
@@ -160,8 +160,11 @@ class Launcher:
             self._happened(f"{role} is started again", pid=self._children.revive(role))
         else:
             answers = self._watcher.fault(event.target, _ANSWER)
-            what = answers[0].data.decode(errors="replace") if answers else "the plant is not there"
-            self._happened(f"fault {event.target}" + ("" if what == "ok" else f": {what}"))
+            if answers and answers[0].agreed:
+                self._screen.happened(self._view.t, f"fault {event.target}")
+            else:
+                why = answers[0].data.decode(errors="replace") if answers else "no plant heard it"
+                self._happened(f"no fault {event.target}: {why}")
 
     def _finish(self) -> None:
         """Give the processes time to end by themselves, unless interrupted, and then end them."""

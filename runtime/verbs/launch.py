@@ -17,7 +17,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Launch; 0 if the hand ends within tolerance of the goal."""
+    """Launch; 0 if the hand ends within tolerance of the goal, 3 if it does not."""
     deployment = load_from(args)
 
     def make_screen() -> "Screen":
@@ -27,9 +27,12 @@ def run(args: argparse.Namespace) -> int:
 
     try:
         folder = prepare(deployment)
-        print(f"{deployment.robot}: the run's folder is {folder}", flush=True)
         course = Launcher(deployment, folder, make_screen).go()
     except LaunchError as error:
         print(f"msma: {error}", file=sys.stderr)
         return 1
-    return course.code
+    from runtime.closing import close
+
+    summary = close(deployment, folder, course)
+    print(summary.text())
+    return summary.code

@@ -1,0 +1,41 @@
+"""How near an arm can come to a place when its platform stands still."""
+
+import numpy as np
+
+from agents.agent import Array
+from plant.kinematics import Kinematics
+from plant.robot import Robot
+
+_STARTS = 64
+_SWEEPS = 60
+
+
+def nearest(robot: Robot, goal: Array, base: Array, q: Array) -> float:
+    """Return the least distance [m] of the hand to `goal` (3,) [m] in the world that was found.
+
+    Each joint in turn comes as near as it alone can, over and over, from `q` (n,) [rad] and from
+    many random postures. `base` is (3,): x, y [m] and heading [rad], where the platform stays.
+    """
+    kinematics = Kinematics(robot)
+    rng = np.random.default_rng(0)
+    lower, upper = np.maximum(robot.lower, -np.pi), np.minimum(robot.upper, np.pi)
+    postures = np.vstack([q, rng.uniform(lower, upper, (_STARTS - 1, robot.n))])
+    for _ in range(_SWEEPS):
+        for joint in range(robot.n):
+            pose = kinematics.forward(postures, base)
+            axis, point = pose.axes[:, joint], pose.points[:, joint]
+            turn = _turn(axis, pose.tip - point, goal - point)
+            moved = postures[:, joint] + turn
+            postures[:, joint] = np.clip(moved, robot.lower[joint], robot.upper[joint])
+    misses = np.linalg.norm(kinematics.forward(postures, base).tip - goal, axis=-1)
+    return float(misses.min())
+
+
+def _turn(axis: Array, arm: Array, wanted: Array) -> Array:
+    """Return the angle (...) about `axis` that brings `arm` nearest to `wanted`, all (..., 3)."""
+    sine = np.sum(axis * np.cross(arm, wanted), axis=-1)
+    cosine = np.sum(arm * wanted, axis=-1) - np.sum(axis * arm, axis=-1) * np.sum(
+        axis * wanted, axis=-1
+    )
+    turn: Array = np.arctan2(sine, cosine)
+    return turn
