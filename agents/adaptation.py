@@ -20,8 +20,8 @@ class EagerGain:
     SLOW = 0.5  # more than this share left is slow
 
     def __init__(self, start: float, most: float) -> None:
-        """Begin at `start`, never above `most`, never under an eighth of `start`."""
-        self._least, self._most = start / 8, most
+        """Begin at `start`, never above `most`, never under a quarter of `start`."""
+        self._least, self._most = start / 4, most
         self._gain: Array = np.array(start)
         self._wanted: Array | None = None
 

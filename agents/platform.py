@@ -184,9 +184,9 @@ class PlatformAgent(Agent):
         The top speed is less the more it heads past a goal that is far: it turns first.
         """
         arm = scene.hand - self._root_in_world(scene)
-        level = np.sqrt((arm[..., :2] * arm[..., :2]).sum(axis=-1))
+        level = _level(arm)
         off_reach = np.sqrt(level * level + arm[..., 2] * arm[..., 2]) - self._reach
-        speed = np.sqrt((scene.going[..., :2] * scene.going[..., :2]).sum(axis=-1))
+        speed = _level(scene.going)
         # where to go, seen from above [m]: along the hand's travel as far as a steering platform
         # must look ahead, to what is missing, and to where the arm has a comfortable reach
         lead = np.maximum(LEAD, -1.5 * scene.carried) / np.maximum(speed, COURSE_SPEED)
@@ -195,7 +195,7 @@ class PlatformAgent(Agent):
         way = lead[..., None] * scene.going[..., :2] + missing + ease[..., None] * arm[..., :2]
         course = np.arctan2(way[..., 1], way[..., 0]) - scene.heading
         bearing = np.arctan2(arm[..., 1], arm[..., 0]) - scene.heading - self._bearing
-        weight = np.minimum(np.sqrt((way * way).sum(axis=-1)) / LEAD, 1.0)
+        weight = np.minimum(_level(way) / LEAD, 1.0)
         arms = ARM_WEIGHT * _in_front(scene)
         turn = np.arctan2(
             weight * np.sin(course) + arms * np.sin(bearing),
@@ -231,19 +231,25 @@ def _in_front(scene: Scene) -> Array:
 
 def _far(scene: Scene) -> Array:
     """Return how far off (...), 0 to 1, the goal is: more than the arm alone is to make up for."""
-    away = scene.missing[..., :2]
-    share: Array = np.minimum(np.sqrt((away * away).sum(axis=-1)) / FAR, 1.0)
+    share: Array = np.minimum(_level(scene.missing) / FAR, 1.0)
     return share
 
 
 def _steering(scene: Scene) -> Array:
     """Return how much (...), 0 to 1, the platform steers as a car instead of serving the hand.
 
-    It does so when the goal is far, and when the hand is carried beside or behind the axle: that
-    goes the wrong way first when the platform turns, and is to be led as a driver leads a trailer.
+    It does so when the goal is far, and when it leads on a hand that is carried beside or behind
+    the axle: that goes the wrong way first when the platform turns, as a trailer does.
     """
-    share: Array = np.maximum(1 - _in_front(scene), _far(scene))
+    leads_on = np.minimum(_level(scene.going) / COURSE_SPEED, 1.0)
+    share: Array = np.maximum((1 - _in_front(scene)) * leads_on, _far(scene))
     return share
+
+
+def _level(vector: Array) -> Array:
+    """Return the length (...) of a vector (..., 3) seen from above."""
+    length: Array = np.sqrt((vector[..., :2] * vector[..., :2]).sum(axis=-1))
+    return length
 
 
 def _swing(scene: Scene) -> Array:
