@@ -109,3 +109,15 @@ def acquisition(
         np.where(start >= 0, after, np.inf),
         error[-1],
     )
+
+
+def path_length(base: Array) -> Array:
+    """(...) how far the platform's middle went [m], of (K, ..., 3) poses."""
+    length: Array = np.sqrt((np.diff(base[..., :2], axis=0) ** 2).sum(axis=-1)).sum(axis=0)
+    return length
+
+
+def turned_about(base: Array) -> Array:
+    """(...) through how much the platform turned, there and back [rad], of (K, ..., 3) poses."""
+    turned: Array = np.abs(np.diff(base[..., 2], axis=0)).sum(axis=0)
+    return turned

@@ -10,7 +10,7 @@ from plant.robot import Robot
 from studies.mobility import wrapped
 from studies.reach import ASIDE, COLUMN, FORE, SHOULDER, UPPER, Bools
 
-STEP = 0.06
+STEP = 0.12
 """Of the plans [s]."""
 SLACK = 1.0
 """Time that a platform gets, on top of turn, drive and turn at full speed, to gain speed [s]."""
@@ -101,6 +101,8 @@ class _Sweep(NamedTuple):
 
 
 def _sweeps(robot: Robot, locks: Array, goal: Goal, since: Since, last: float) -> Iterator[_Sweep]:
+    if not np.isnan(locks[..., 1:]).any():
+        return  # with shoulder and elbow locked there is but one height
     times = np.arange(since.t, last + STEP / 4, STEP / 2)
     t = times[::2]
     plans = _postures(robot, locks, goal, times)
@@ -119,7 +121,7 @@ _SHOULDERS = np.radians(np.arange(-45.0, 146.0, 15.0))
 
 def _postures(robot: Robot, locks: Array, goal: Goal, times: Array) -> _Plans:
     """The postures of all plans; the cells must have the same joints free."""
-    free = np.isnan(locks).all(axis=0)
+    free = np.asarray(np.isnan(locks).all(axis=0))
     cells = len(locks)
     column = np.tile(_COLUMNS, (cells, 1)) if free[0] else locks[:, :1]
     if free[1] and free[2]:
@@ -147,12 +149,14 @@ def _postures(robot: Robot, locks: Array, goal: Goal, times: Array) -> _Plans:
     shoulder, elbow = wrapped(shoulder), wrapped(elbow)
     q = np.stack([np.broadcast_to(column, elbow.shape), shoulder, elbow], axis=-1)
     out = UPPER * np.cos(shoulder) + FORE * np.cos(shoulder + elbow)
-    ok = np.ones(elbow.shape, dtype=np.bool_)
-    ok &= np.abs(sine) < 1.0
-    ok &= bool(free[1:].any())  # with both locked there is but one height
-    ok &= ((q >= robot.lower[:3] - 1e-9) & (q <= robot.upper[:3] + 1e-9)).all(axis=-1)
-    rate = np.abs(wrapped(np.diff(q, axis=0))) / (times[1] - times[0])
-    ok[1:] &= (rate <= robot.max_speed[:3]).all(axis=-1)
+    rate = np.abs(wrapped(np.diff(q, axis=0, prepend=q[:1]))) / (times[1] - times[0])
+    ok: Bools = np.logical_and.reduce(
+        [
+            np.broadcast_to(np.abs(sine) < 1.0, elbow.shape),
+            ((q >= robot.lower[:3] - 1e-9) & (q <= robot.upper[:3] + 1e-9)).all(axis=-1),
+            (rate <= robot.max_speed[:3]).all(axis=-1),
+        ]
+    )
     x = COLUMN[0] + out * np.cos(column) + ASIDE * np.sin(column)
     y = COLUMN[1] + out * np.sin(column) - ASIDE * np.cos(column)
     return _Plans(q, x, y, ok)
@@ -193,10 +197,18 @@ def _follow(plans: _Plans, goal: Goal, times: Array, backwards: bool) -> tuple[A
 def _drivable(robot: Robot, speed: Array, turn: Array) -> Bools:
     drive = robot.drive
     assert drive is not None
-    fine = np.ones(speed.shape, dtype=np.bool_)
-    fine &= (speed >= 0) & (speed <= drive.max_linear) & (np.abs(turn) <= drive.max_angular)
-    fine[1:] &= np.abs(np.diff(speed, axis=0)) <= drive.max_linear_acceleration * STEP
-    fine[1:] &= np.abs(np.diff(turn, axis=0)) <= drive.max_angular_acceleration * STEP
+    faster, harder = (
+        np.abs(np.diff(part, axis=0, prepend=part[:1])) / STEP for part in (speed, turn)
+    )
+    fine: Bools = np.logical_and.reduce(
+        [
+            speed >= 0,
+            speed <= drive.max_linear,
+            np.abs(turn) <= drive.max_angular,
+            faster <= drive.max_linear_acceleration,
+            harder <= drive.max_angular_acceleration,
+        ]
+    )
     return fine
 
 

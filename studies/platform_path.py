@@ -1,0 +1,189 @@
+"""Figure 8 of the paper: how the platform moves, with MSMA and with MIM."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from agents.agent import Agent, Array
+from plant.kinematics import Kinematics
+from studies.central import as_agents
+from studies.lockstep import Trace, run
+from studies.mim import Mim
+from studies.mobile import ARPH, DURATION, PERIOD, msma, plant, task
+from studies.mobility import (
+    cusps,
+    heading_to_arm,
+    path_length,
+    path_roughness,
+    reversal,
+    turned_about,
+)
+from studies.study import Claim, Findings, Row, Study, Watch
+
+SETTLED = 2.0
+"""After that the error counts [s]."""
+FINE = 0.001
+"""The short period [s]."""
+
+
+class Drive(NamedTuple):
+    """One controller's run of the paper's task, and what it was like.
+
+    Attributes:
+        name: Of the controller, with its period.
+        trace: The run, a tick each 60 ms.
+        error: Largest after `SETTLED`, and of the first two seconds [m].
+        length: Of the platform's path [m]; `reversal` of it backwards [m], with `cusps` cusps.
+        turn: Heading turned through in all, there and back [rad].
+        roughness: Root mean square of the jerk of the platform's middle [m/s3].
+        lined_up: Angle between heading and arm: mean and final [rad].
+        elbow: From straight: least, and final [rad].
+    """
+
+    name: str
+    trace: Trace
+    error: tuple[float, float]
+    length: float
+    reversal: float
+    cusps: int
+    turn: float
+    roughness: float
+    lined_up: tuple[float, float]
+    elbow: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class PathFound(Findings):
+    """What the study found; `drives` are MSMA and MIM at 60 ms, MSMA at 1 ms."""
+
+    drives: tuple[Drive, ...]
+
+
+class PlatformPath(Study[PathFound]):
+    """MSMA beside MIM on the paper's task."""
+
+    name = "platform-path"
+    title = "The platform's path with MSMA and with MIM (figure 8)"
+
+    def measure(self, size: float, watch: Watch) -> PathFound:
+        """Drive the task with MIM and MSMA at 60 ms, and with MSMA at 1 ms for a `size` of it."""
+        watch.expect(26)
+        watch.at("60 ms")
+        coarse = drive("MSMA, 60 ms", msma(), PERIOD, DURATION)
+        mim = drive("MIM, 60 ms", as_agents(Mim(ARPH), ARPH), PERIOD, DURATION)
+        watch.at("1 ms", 25)
+        duration = max(round(DURATION * size / PERIOD), 50) * PERIOD
+        fine = drive("MSMA, 1 ms", msma(FINE), FINE, duration)
+        return PathFound(
+            rows=_rows(coarse, mim, fine),
+            claims=_claims(coarse, mim),
+            notes=(
+                "Table 1 of the paper, 400 steps of 60 ms. A cusp is where the platform changes "
+                "between going forward and going backwards; the angle to the arm is that between "
+                "heading and hand as seen from the column.",
+                "MIM climbs the arm's manipulability sqrt(det(Ja Ja^T)), K = 4 1/s, k = 4, weights "
+                "0.3 for driving and 1 for turning; the same robot, limits and period.",
+            ),
+            drives=(coarse, mim, fine),
+        )
+
+    def draw(self, found: PathFound, folder: Path) -> tuple[Path, ...]:
+        """Write figure 8."""
+        from studies.drawing import platform_paths
+
+        return (platform_paths(found.drives[:2], folder / "platform-path.png"),)
+
+
+def drive(name: str, agents: dict[str, Agent], period: float, duration: float) -> Drive:
+    """Run the paper's task, and measure what the drive was like."""
+    robot = plant(period=period)
+    whole = run(robot, agents, task().piece, duration)
+    error = whole.error
+    every = round(PERIOD / period)
+    trace = Trace(*(column[::every] for column in whole))
+    off = heading_to_arm(Kinematics(ARPH), trace.q, trace.base)
+    elbow = np.abs(trace.q[:, 2])
+    settled = whole.t >= SETTLED
+    return Drive(
+        name,
+        trace,
+        (float(error[settled].max()), float(error[~settled].max())),
+        float(path_length(trace.base)),
+        float(reversal(whole.base_velocity, period)),
+        int(cusps(trace.base_velocity)),
+        float(turned_about(trace.base)),
+        float(path_roughness(trace.base, PERIOD)),
+        (float(off.mean()), float(off[-1])),
+        (float(elbow.min()), float(elbow[-1])),
+    )
+
+
+def _rows(coarse: Drive, mim: Drive, fine: Drive) -> tuple[Row, ...]:
+    rows = [
+        Row("error after 2 s, MSMA, 60 ms", "at most 3 mm", _mm(coarse.error[0]),
+            coarse.error[0] <= 0.003),
+        Row("error after 2 s, MSMA, 1 ms", "at most 0.3 mm", _mm(fine.error[0]),
+            fine.error[0] <= 0.0003),
+        Row("error after 2 s, MIM, 60 ms", "at most 3 mm", _mm(mim.error[0]),
+            mim.error[0] <= 0.003),
+        Row("distance in reverse, MSMA", "none", f"{coarse.reversal:.3f} m",
+            coarse.reversal == 0.0 and fine.reversal == 0.0),
+        Row("distance in reverse, MIM", "some, as in the paper", f"{mim.reversal:.2f} m",
+            mim.reversal > 0.0),
+        Row("cusps, MSMA", "none", str(coarse.cusps), coarse.cusps == 0 and fine.cusps == 0),
+        Row("cusps, MIM", "at least 1, as in the paper", str(mim.cusps), mim.cusps >= 1),
+        Row("MIM at the end", "going backwards", f"{mim.trace.base_velocity[-1, 0]:+.3f} m/s",
+            bool(mim.trace.base_velocity[-1, 0] < 0.0)),
+        Row("least elbow from straight, MSMA", "at least 15 deg", _degrees(coarse.elbow[0]),
+            np.degrees(coarse.elbow[0]) >= 15.0),
+    ]  # fmt: skip
+    for each in (coarse, mim):
+        who = each.name.split(",")[0]
+        rows += [
+            Row(f"error of the first 2 s, {who}", "", _mm(each.error[1])),
+            Row(f"heading to arm, mean and final, {who}", "",
+                f"{_degrees(each.lined_up[0])}, {_degrees(each.lined_up[1])}"),
+            Row(f"elbow, least and final, {who}", "",
+                f"{_degrees(each.elbow[0])}, {_degrees(each.elbow[1])}"),
+            Row(f"platform's path, {who}", "",
+                f"{each.length:.2f} m, turned through {_degrees(each.turn)}"),
+            Row(f"roughness of the platform's path, {who}", "", f"{each.roughness:.3f} m/s3 rms"),
+        ]  # fmt: skip
+    return tuple(rows)
+
+
+def _claims(coarse: Drive, mim: Drive) -> tuple[Claim, ...]:
+    heading = np.degrees(coarse.trace.base[-1, 2])
+    return (
+        Claim(
+            "MSMA always goes forward; it first turns slowly to the right, then goes straight "
+            "until the end and aligns itself with the arm (4.2.2)",
+            f"{coarse.reversal:.2f} m in reverse, {coarse.cusps} cusps; it ends at a heading of "
+            f"{heading:.0f} deg, {_degrees(coarse.lined_up[1])} off the arm",
+        ),
+        Claim(
+            "MIM shows a cusp and ends the task moving backwards (4.2.2)",
+            f"{mim.cusps} cusps, {mim.reversal:.2f} m in reverse, at the end "
+            f"{mim.trace.base_velocity[-1, 0]:+.3f} m/s",
+        ),
+        Claim(
+            "the error stays within 3 mm at 60 ms (4.2.2)",
+            f"at most {_mm(coarse.error[0])} after 2 s, MIM {_mm(mim.error[0])}",
+        ),
+        Claim(
+            "with both, the arm is never stretched, the elbow settles near 70 deg (4.2.2)",
+            f"MSMA ends at {_degrees(coarse.elbow[1])} and was never under "
+            f"{_degrees(coarse.elbow[0])}; MIM at {_degrees(mim.elbow[1])}, "
+            f"never under {_degrees(mim.elbow[0])}",
+        ),
+    )
+
+
+def _mm(metres: float) -> str:
+    return f"{1e3 * metres:.2f} mm"
+
+
+def _degrees(angle: float | Array) -> str:
+    return f"{np.degrees(angle):.0f} deg"

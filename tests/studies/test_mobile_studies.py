@@ -1,0 +1,58 @@
+from pathlib import Path
+
+import numpy as np
+
+from studies.fault_cells import MID, oracle, outcome, pair_locks, play, single_locks
+from studies.mobile import DURATION, HAND, PERIOD, msma, plant
+from studies.paper_faults import cases, course
+from studies.platform_path import PlatformPath, drive
+from studies.study import Watch
+
+
+def test_the_arm_starts_with_its_hand_where_table_1_says() -> None:
+    np.testing.assert_allclose(plant().hand().position, HAND, atol=0.001)
+
+
+def test_msma_follows_the_papers_path_and_never_goes_backwards() -> None:
+    found = drive("MSMA", msma(), PERIOD, DURATION)
+    assert found.error[0] < 0.003
+    assert found.reversal == 0.0
+    assert found.cusps == 0
+
+
+def test_every_reading_of_the_papers_faults_is_a_case() -> None:
+    yaws = sorted(round(float(np.degrees(case.q[0]))) for case in cases())
+    assert yaws == [-60, -30, 0, 0, 30, 60, 120, 150]
+    short = course(cases(), PERIOD, 6.0)
+    np.testing.assert_array_less(short.worst[:5], 0.003)
+    assert short.reversed.max() == 0.0
+
+
+def test_the_studies_tables_and_pictures_come_with_their_bars(tmp_path: Path) -> None:
+    study = PlatformPath()
+    found = study.measure(0.01, Watch())
+    assert {row.held for row in found.rows} >= {True, None}
+    (picture,) = study.draw(found, tmp_path)
+    assert picture.stat().st_size > 10_000
+
+
+def test_cells_go_the_same_way_alone_and_among_others() -> None:
+    cells = single_locks(MID)
+    together, alone = play(cells.part(slice(16, 60, 8))), play(cells.part(slice(24, 25)))
+    np.testing.assert_allclose(together.hand[:, 1], alone.hand[:, 0], atol=1e-6)
+
+
+def test_the_map_says_what_is_reachable_and_what_msma_makes_of_it() -> None:
+    cells = single_locks(MID).part(slice(16, 60, 8))
+    found = outcome(cells, play(cells), oracle(cells))
+    assert cells.labels[1] == "joint/1:locked=60deg at 8 s"
+    assert found.reachable.tolist() == [True, True, True, False, True, True]
+    assert found.success[:2].all()
+    assert not found.success[3]
+
+
+def test_no_pair_with_shoulder_and_elbow_locked_is_reachable() -> None:
+    cells = pair_locks().part(slice(2000, None, 40))
+    possible, high = oracle(cells)
+    assert np.isinf(possible).all()
+    assert not high.any()
