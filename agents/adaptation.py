@@ -1,4 +1,4 @@
-"""What an agent learns while it acts: how eager to be, and what its own motion does."""
+"""What an agent learns while it acts: how eager to be, and how fast what it sees moves."""
 
 import numpy as np
 
@@ -64,38 +64,3 @@ class SeenVelocity:
             self._velocity = (place - self._place) / elapsed
         self._t, self._place = t, place
         return self._velocity
-
-
-class OwnColumn:
-    """What the hand does when this joint turns, learned from nothing but watching the hand.
-
-    A running estimate of the agent's own column of the Jacobian matrix, (..., 3) [m/rad], from the
-    changes of its own command and of the hand's velocity: a Kalman filter with one variance, in
-    which the motions of all others are noise of a size that it learns too.
-    """
-
-    DRIFT = 0.57  # [m/rad per sqrt(s)] how fast the true column may wander
-    LENGTH = 0.5  # [m/rad] how long it may be, before anything was seen
-    PATIENCE = 0.95  # share kept of the noise estimate at each sight
-    FLOOR = 1e-10  # [m2/s2] so that a perfectly still hand divides by something
-
-    def __init__(self) -> None:
-        """Know nothing but a length to expect."""
-        self.column: Array = np.zeros(3)
-        self.variance: Array = np.array(self.LENGTH**2)
-        self._noise: Array = np.array(0.05**2)
-
-    def learn(self, command_change: Array, velocity_change: Array, elapsed: float) -> None:
-        """Take in that after `command_change` (...) [rad/s] the hand's velocity had changed so.
-
-        velocity_change: (..., 3) [m/s]; elapsed: time since the last sight [s].
-        """
-        self.variance = self.variance + self.DRIFT**2 * elapsed
-        surprise = velocity_change - self.column * command_change[..., None]
-        seen = (surprise * surprise).sum(axis=-1) / 3
-        noise = self.PATIENCE * self._noise + (1 - self.PATIENCE) * seen
-        self._noise = np.maximum(noise, self.FLOOR)
-        weight = self.variance * command_change
-        weight = weight / (weight * command_change + self._noise)
-        self.column = self.column + weight[..., None] * surprise
-        self.variance = self.variance * (1 - weight * command_change)

@@ -5,7 +5,8 @@ from typing import Annotated, Literal
 import numpy as np
 
 from agents.agent import Agent, AgentError, Array, Body, Joints, Percepts
-from agents.laws import Law, LineByEye, LineByModel, Own, StepByEye, StepByModel
+from agents.by_eye import LineByEye
+from agents.laws import Law, LineByModel, Own, StepByEye, StepByModel
 from agents.sight import Perception, Sight
 
 
@@ -24,6 +25,7 @@ class JointAgent(Agent):
         gain: float = 0.45,
         horizon: Annotated[float, "s"] = 0.12,
         memory: Annotated[float, "s"] = 1.5,
+        bend: Annotated[float, "rad"] = 0.0,
         step: Annotated[float, "rad"] = np.deg2rad(1.0),
     ) -> None:
         """Become the agent of one joint.
@@ -33,6 +35,7 @@ class JointAgent(Agent):
         gain: of `line`, with a model: share of the best turn made, to begin with; it adapts
         horizon: of `line`: how far ahead it looks [s]; at least one and a half control periods
         memory: of `line`, with a model: time in which a motion that nothing asks for dies [s]
+        bend: of `line`, with a model: how far off straight it stays if it can [rad]; see `Bend`
         step: of `fixed-step` [rad] a control period
 
         Raises `AgentError` when a value is out of its range.
@@ -40,17 +43,20 @@ class JointAgent(Agent):
         for name, value in (("horizon", horizon), ("memory", memory), ("step", step)):
             if not value > 0:
                 raise AgentError(f"{name}: {value:g} must be positive")
+        if not 0 <= bend <= np.pi / 2:
+            raise AgentError(f"bend: {np.degrees(bend):g} deg must be from 0 to 90 deg")
         if not 0 < gain <= 1:
             raise AgentError(f"gain: {gain:g} must be above 0 and at most 1")
         self._joint = joint_of(body)
         self._top_speed = float(body.robot.max_speed[self._joint])
         self._sight = Sight(body, perception)
+        self._may_fail = perception == "auto"  # the model, while there is something else to go by
         horizon = max(horizon, 1.5 * body.period)
         self._by_model: Law
         self._by_eye: Law
         if law == "line":
             self._by_model = LineByModel(
-                body, self._joint, gain=gain, horizon=horizon, memory=memory
+                body, self._joint, gain=gain, horizon=horizon, memory=memory, bend=bend
             )
             self._by_eye = LineByEye(body, horizon=horizon, top_speed=self._top_speed)
         else:
@@ -70,6 +76,8 @@ class JointAgent(Agent):
         own = None if percepts.joints is None else self._own(percepts.joints)
         if everywhere:
             velocity = self._by_model.velocity(t, view, own, goal)
+            if self._may_fail:
+                self._by_eye.listen(t, view, self._joint, velocity)
         else:
             velocity = self._by_eye.velocity(t, view, own, goal)
             if view.modelled.any():

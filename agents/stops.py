@@ -29,6 +29,8 @@ class Stops:
     def turn(self, t: float, angle: Array, best: Array) -> Array:
         """Return the turn (...) [rad] to make from `angle`, where `best` would be the best.
 
+        It is more than half a turn where the joint goes the long way.
+
         t: plant time [s]; angle: (...) of the joint; best: (...) within -pi to pi.
         """
         if self._endless:

@@ -18,6 +18,8 @@ from studies.jams import BatchFaults, BatchSimulator
 ARPH = load("arph")
 """The Manus arm on its two-wheeled platform."""
 MOVING = (0, 1, 2)
+BEND = {2: np.radians(30.0)}  # [rad] that the elbow stays off straight if it can
+BEARING = np.radians(-6.0)  # [rad] of the hand when lined up: the shoulder is right of the column
 """The joints that have a part in the task, from 0; the wrist and the rolls hold still."""
 PERIOD = 0.06
 """The paper's control period [s]."""
@@ -56,10 +58,12 @@ def msma(
     for joint in range(ARPH.n):
         body = Body(ARPH, joint, period, np.random.default_rng([seed, joint]))
         agents[f"joint/{joint + 1}"] = (
-            JointAgent(body, perception=perception) if joint in MOVING else HoldAgent(body)
+            JointAgent(body, perception=perception, bend=BEND.get(joint, 0.0))
+            if joint in MOVING
+            else HoldAgent(body)
         )
     body = Body(ARPH, None, period, np.random.default_rng([seed, ARPH.n]))
-    agents["platform"] = PlatformAgent(body, perception=perception)
+    agents["platform"] = PlatformAgent(body, perception=perception, bearing=BEARING)
     return agents
 
 

@@ -1,0 +1,48 @@
+"""An elbow that stays bent."""
+
+import numpy as np
+
+from agents.agent import Array
+
+
+class Bend:
+    """Keeps a joint off straight as long as the hand gets nearer all the same.
+
+    "When a person wants to take a book, he/she tries to keep his/her arm not extended. If the book
+    is too far to be taken by arm extension, the person walks" (paper, section 4). A stretched arm
+    can not turn its hand outwards any more, and looks strained to the person beside it. So this
+    joint stops short of straight while others still bring the hand nearer, and gives in when they
+    do not: at once in the last centimetre, after a while at a distance.
+    """
+
+    NEARER = 0.98  # of the distance, or less, that must be left to count as nearer
+    PATIENCE = 2.0  # [s] without getting nearer, at a distance of `FAR` and more
+    NEAR, FAR = 0.01, 0.1  # [m]
+    ANEW = 2.0  # times as far, once it was nearer than `FAR`, is another way to go
+    STOPPING = 0.3  # [s] in which it comes to rest short of straight
+
+    def __init__(self, least: float) -> None:
+        """Keep at least that angle off straight [rad]; 0 keeps nothing."""
+        self._least = least
+        self._best: Array = np.array(np.inf)
+        self._since: Array = np.array(0.0)
+
+    def limited(self, t: float, angle: Array, velocity: Array, missing: Array) -> Array:
+        """Return the velocity (...) [rad/s] that stops the joint in time, if it is to.
+
+        t: plant time [s]; angle: (...) of the joint [rad]; missing: (..., 3) way to the goal [m].
+        """
+        if self._least == 0:
+            return velocity
+        distance = np.sqrt((missing * missing).sum(axis=-1))
+        nearer = distance < self.NEARER * self._best
+        anew = (distance > self.ANEW * self.FAR) & (self._best < self.FAR)
+        self._since = np.where(nearer | anew, t, self._since)
+        self._best = np.where(nearer | anew, distance, self._best)
+        share = (distance - self.NEAR) / (self.FAR - self.NEAR)
+        patience = self.PATIENCE * np.minimum(np.maximum(share, 0.0), 1.0) ** 2
+        side = np.where(angle < 0, -1.0, 1.0)
+        room = np.maximum(side * angle - self._least, 0.0)
+        holds = t - self._since < patience
+        kept = side * np.maximum(side * velocity, -room / self.STOPPING)
+        return np.where(holds, kept, velocity)

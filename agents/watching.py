@@ -1,0 +1,180 @@
+"""What an agent without a model learns by watching the hand: how it moves, and its own part in it.
+
+Nothing here knows the robot. An eye may tremble (measurement noise) and be late; neither is told.
+"""
+
+from collections import deque
+from typing import NamedTuple
+
+import numpy as np
+
+from agents.agent import Array
+
+
+class SteadyEye:
+    """Where the hand is and how fast it moves, through an eye that may tremble.
+
+    An alpha-beta filter whose trust in each sight follows from what was seen: independent errors
+    of sight make the second differences of the places seen fall back by two thirds each time, a
+    real motion does not (autocovariances 6, -4, 1 times the errors' variance). Trust and
+    velocity gain from the two variances: Kalata 1984; Benedict and Bordner 1962. A still eye is
+    believed outright.
+    """
+
+    PATIENCE = 0.95  # share kept of what is known of the trembling at each sight
+    CHANCE = 0.03  # of the differences' variance: so much of it may look like trembling by chance
+    STILL = 30.0  # motion per trembling above which the eye is believed outright
+    LEAST = 0.1  # share of a surprise that is always believed
+
+    def __init__(self) -> None:
+        """Have seen nothing yet."""
+        self.place: Array = np.zeros(3)
+        self.velocity: Array = np.zeros(3)
+        self.trust: Array = np.array(1.0)
+        self._t: float | None = None
+
+    def see(self, t: float, place: Array) -> None:
+        """Take in that the hand is seen at `place` (..., 3) [m] at `t` [s]."""
+        if self._t is None:
+            batch = place.shape[:-1]
+            self.place, self.velocity, self.trust = place, np.zeros_like(place), np.ones(batch)
+            self._last = np.stack([place, place])
+            self._jolt = np.zeros_like(place)
+            self._spread, self._fall = np.zeros(batch), np.zeros(batch)
+        else:
+            self._take_in(t - self._t, place)
+        self._t = t
+
+    def _take_in(self, elapsed: float, place: Array) -> None:
+        jolt = place - 2.0 * self._last[1] + self._last[0]
+        self._last = np.stack([self._last[1], place])
+        new = 1.0 - self.PATIENCE
+        self._spread = self._spread + new * ((jolt * jolt).sum(axis=-1) - self._spread)
+        self._fall = self._fall + new * ((jolt * self._jolt).sum(axis=-1) - self._fall)
+        self._jolt = jolt
+        self.trust = self._trust()
+        follow = self.trust**2 / (2.0 - self.trust)
+        expected = self.place + self.velocity * elapsed
+        surprise = place - expected
+        self.place = expected + self.trust[..., None] * surprise
+        self.velocity = self.velocity + follow[..., None] * surprise / elapsed
+
+    def _trust(self) -> Array:
+        tiny = 1e-20  # [m2]
+        trembling = np.maximum(-self._fall / 4.0 - self.CHANCE * self._spread, tiny)
+        moving = np.maximum(self._spread - 6.0 * trembling, 1e-3 * self._spread) + tiny
+        index = np.sqrt(moving / trembling)
+        root = (4.0 + index - np.sqrt(8.0 * index + index * index)) / 4.0
+        trust: Array = np.where(index > self.STILL, 1.0, np.maximum(1.0 - root * root, self.LEAST))
+        return trust
+
+
+class Column(NamedTuple):
+    """What the hand does when the joint turns.
+
+    way: (..., 3) [m/rad]; variance: (...) of each component [m2/rad2]; lag: (...) after which the
+    hand is seen to answer [s]
+    """
+
+    way: Array
+    variance: Array
+    lag: Array
+
+
+class OwnColumn:
+    """What the hand does when this joint turns: the agent's own column of the Jacobian matrix.
+
+    Estimated from the changes of its own speed and of the hand's velocity, by a Kalman filter
+    with one variance, in which the motions of all others are noise of a size that it learns too.
+    How late the hand is seen to answer is not known either: one such filter for each lag of a few,
+    weighed by how well each has foretold what was seen.
+    """
+
+    LENGTH = 0.8  # [m/rad] how long the column may be, before anything was seen
+    DOUBT = 0.05  # [m/rad] of one that was told
+    DRIFT = 0.29  # [m/rad per sqrt(s)] how fast the true column may wander
+    CARRIED = 0.8  # [1/rad] how far it may wander per distance that the hand goes
+    NOISE = 0.05  # [m/s] of the hand's velocity that may be others' doing, at first
+    PATIENCE = 0.9  # share kept of the noise estimate at each sight
+    FLOOR = 1e-10  # [m2/s2] so that a perfectly still hand divides by something
+    PROMPT = 13.0  # [1/s] how much less likely a late answer is than a prompt one, at first
+    LASTING = 0.985  # share kept of the evidence for a lag at each sight
+    WEIGHT = 0.2  # of one sight as evidence: successive sights are not independent
+
+    def __init__(self, lags: Array, known: Array | None = None) -> None:
+        """Know nothing but a length to expect, or what the column is: `known` (..., 3) [m/rad].
+
+        lags: (H,) those thought possible [s]
+        """
+        self._lags = lags
+        self._way: Array | None = None
+        first = np.zeros(3) if known is None else known
+        doubt = self.LENGTH if known is None else self.DOUBT
+        batch = first.shape[:-1]
+        self.column = Column(first, np.full(batch, doubt**2), np.zeros(batch))
+
+    def learn(self, speed: Array, velocity: Array, elapsed: float, gone: Array) -> None:
+        """Take in that the hand's velocity has changed by `velocity` (..., 3) [m/s].
+
+        speed: (H, ...) by how much, with each lag, the joint's own speed had changed [rad/s]
+        elapsed: time since the last sight [s]; gone: (...) how far the hand went in it [m]
+        """
+        if self._way is None:
+            many = speed.shape
+            self._way = np.zeros((*many, 3)) + self.column.way
+            self._variance = np.zeros(many) + self.column.variance
+            self._noise = np.full(many, self.NOISE**2)
+            column = (-1, *[1] * (speed.ndim - 1))
+            self._evidence = np.zeros(many) - self.PROMPT * self._lags.reshape(column)
+        wander = self.DRIFT**2 * elapsed + (self.CARRIED * gone) ** 2
+        variance = np.minimum(self._variance + wander, 2.0 * self.LENGTH**2)
+        surprise = velocity - self._way * speed[..., None]
+        seen = (surprise * surprise).sum(axis=-1) / 3.0
+        foretold = np.maximum(variance * speed**2 + self._noise, 1e-12)
+        self._evidence = self.LASTING * self._evidence
+        self._evidence -= self.WEIGHT * (seen / foretold + np.log(foretold))
+        noise = self.PATIENCE * self._noise + (1.0 - self.PATIENCE) * seen
+        self._noise = np.maximum(noise, self.FLOOR)
+        weight = variance * speed / (variance * speed**2 + self._noise)
+        self._way = self._way + weight[..., None] * surprise
+        self._variance = variance * (1.0 - weight * speed)
+        self.column = self._weighed()
+
+    def _weighed(self) -> Column:
+        assert self._way is not None
+        odds = np.exp(self._evidence - self._evidence.max(axis=0))
+        odds = odds / odds.sum(axis=0)
+        return Column(
+            (odds[..., None] * self._way).sum(axis=0),
+            (odds * self._variance).sum(axis=0),
+            np.tensordot(self._lags, odds, axes=1),
+        )
+
+
+class OwnMotion:
+    """How the joint has turned by its own commands, as far back as an eye may be late."""
+
+    def __init__(self, lags: Array) -> None:
+        """Be asked for the speeds `lags` (H,) [s] ago."""
+        self._lags = lags
+        self._told: deque[tuple[float, Array, Array]] = deque()  # when, angle by then, speed since
+
+    def tell(self, t: float, speed: Array) -> None:
+        """Note that from `t` [s] on the joint turns at `speed` (...) [rad/s]."""
+        self._told.append((t, self._angle(t) if self._told else np.zeros_like(speed), speed))
+        while len(self._told) > 2 and self._told[1][0] < t - 2.0 * float(self._lags[-1]) - 0.5:
+            self._told.popleft()
+
+    def mean_speed(self, before: float, t: float) -> Array:
+        """Return its mean speed (H, ...) [rad/s] from `before` to `t`, each lag earlier."""
+        return np.stack(
+            [(self._angle(t - lag) - self._angle(before - lag)) / (t - before)
+             for lag in self._lags]
+        )  # fmt: skip
+
+    def _angle(self, t: float) -> Array:
+        for since, angle, speed in reversed(self._told):
+            if since <= t:
+                turned: Array = angle + speed * (t - since)
+                return turned
+        return self._told[0][1]
