@@ -106,10 +106,10 @@ class Tray:
 class Bus:
     """A process's place on its robot's bus; open while in its `with` block.
 
-    robot: its name, the Zenoh namespace: nothing crosses to other robots
+    robot: its name, the Zenoh namespace: nothing crosses to other robots; None to see all of them
     """
 
-    def __init__(self, robot: str, role: str, place: Place, incarnation: int) -> None:
+    def __init__(self, robot: str | None, role: str, place: Place, incarnation: int) -> None:
         self.incarnation = incarnation
         try:
             self._session = zenoh.open(config(robot, place))
@@ -132,13 +132,18 @@ class Bus:
         """Leave the bus: a loop that waits for messages ends with `BusError`."""
         self._session.close()  # type: ignore[no-untyped-call] # an omission in zenoh's stubs
 
-    def publisher(self, key: str, *, urgent: bool = True) -> Publisher:
-        """Return what sends on `key`; urgent is what closes the control loop."""
+    def publisher(self, key: str, *, urgent: bool = True, express: bool = True) -> Publisher:
+        """Return what sends on `key`.
+
+        urgent: it closes the control loop, and goes before all else
+        express: it goes at once, and takes along what was sent before it; without, it may wait
+            for that a moment
+        """
         publisher = self._session.declare_publisher(
             key,
             congestion_control=zenoh.CongestionControl.DROP,
             priority=zenoh.Priority.REAL_TIME if urgent else zenoh.Priority.DATA_LOW,
-            express=urgent,
+            express=express,
         )
         return Publisher(publisher, self.incarnation)
 
@@ -207,7 +212,7 @@ class Bus:
         return answers
 
 
-def _why(robot: str, role: str, place: Place, error: str) -> str:
+def _why(robot: str | None, role: str, place: Place, error: str) -> str:
     if "in use" not in error:
         return f"{role} cannot join the bus of {robot}: {error}"
     return (

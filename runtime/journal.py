@@ -1,14 +1,21 @@
 """The log of one process: a file of JSON lines, written in batches."""
 
 import json
+import sys
 import threading
 import time
 from collections import deque
+from contextlib import suppress
 from itertools import count
 from pathlib import Path
 from typing import Any
 
+from plant.errors import MsmaError
 from runtime.keys import file_name
+
+
+class JournalError(MsmaError, OSError):
+    """A log that cannot be written; the message names the file and says why."""
 
 
 class Journal:
@@ -19,9 +26,13 @@ class Journal:
     """
 
     def __init__(self, folder: Path, role: str) -> None:
-        folder.mkdir(parents=True, exist_ok=True)
         self.path = folder / f"{file_name(role)}.jsonl"
-        self._file = self.path.open("a", encoding="utf-8")
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+            self._file = self.path.open("a", encoding="utf-8")
+        except OSError as error:
+            raise _unwritable(self.path, error) from None
+        self._complained = False
         self._lines: deque[str] = deque()
         self._writing = threading.Lock()
 
@@ -34,18 +45,29 @@ class Journal:
         self._lines.append(line)
 
     def flush(self) -> None:
-        """Write what was noted."""
+        """Write what was noted. A disk that is full is complained of once: it stops nobody."""
         with self._writing:
             lines = [self._lines.popleft() for _ in range(len(self._lines))]
-            if lines and not self._file.closed:
+            if not lines or self._file.closed:
+                return
+            try:
                 self._file.write("\n".join(lines) + "\n")
                 self._file.flush()
+            except OSError as error:
+                if not self._complained:
+                    print(_unwritable(self.path, error), file=sys.stderr)
+                self._complained = True
 
     def close(self) -> None:
         """Write the rest and close the file."""
         self.flush()
-        with self._writing:
+        with self._writing, suppress(OSError):
             self._file.close()
+
+
+def _unwritable(path: Path, error: OSError) -> JournalError:
+    why = error.strerror or str(error)
+    return JournalError(f"the log {path} cannot be written: {why}; --run gives another folder")
 
 
 def new_run_folder(runs: Path, robot: str) -> Path:
@@ -57,5 +79,7 @@ def new_run_folder(runs: Path, robot: str) -> Path:
             folder.mkdir(parents=True)
         except FileExistsError:
             continue
+        except OSError as error:
+            raise _unwritable(folder, error) from None
         return folder
     raise AssertionError("count never ends")

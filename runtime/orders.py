@@ -65,7 +65,7 @@ class Orders:
         """Take what arrived at plant time `t` [s]; None if it was refused."""
         motor = self._motors.get(arrival.key)
         if motor is None:
-            self._refusals.count(arrival.key, Reason.UNKNOWN_KEY)
+            self._refusals.count_unknown(arrival.key)
             return None
         command = motor.ear.take(arrival.data, t)
         if command is None:

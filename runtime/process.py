@@ -123,33 +123,43 @@ class Process:
         except BusError as error:
             self.ending.ask(str(error), FAILED)
         except Exception as error:
-            self.journal.write(self.t, "crash", trace=traceback.format_exc())
-            self.ending.ask(f"{type(error).__name__}: {error}", FAILED)
+            self._note_crash(error)
         watchdog.join()
         signal.setitimer(signal.ITIMER_REAL, 0)
         return self.ending.code
 
     def _watch(self, loop: Loop) -> None:
-        """Look after the process four times a second, until there is a reason to end it."""
-        publisher = self.bus.publisher(keys.diag(self.role), urgent=False)
+        """Look after the process until there is a reason to end it, then close the bus."""
+        try:
+            self._look_after(loop)
+        except Exception as error:  # without a watchdog nothing may go on
+            self._note_crash(error)
+        self.journal.write(self.t, "end", reason=self.ending.reason, code=self.ending.code)
+        self.journal.flush()
+        signal.setitimer(signal.ITIMER_REAL, _LAST_RESORT)
+        self.bus.close()
+
+    def _look_after(self, loop: Loop) -> None:
+        """Look four times a second whether to end; flush the log, and say how it is."""
+        publisher = self.bus.publisher(keys.diag(self.role), urgent=False, express=False)
         rate = Rate(time.monotonic())
         looks = 0
         while not self.ending.wait(_CHECK):
-            looks += 1
             now = time.monotonic()
             if self.life and self.life.over(now):
                 self.ending.ask("the run is over")
             elif self.life and (reason := self.life.forlorn(now)):
                 self.ending.ask(reason, FAILED)
-            if looks % _REPORT == 1:
+            if looks % _REPORT == 0:
                 self._rate = rate.look(loop.work.count, now)
                 publisher.send(self.diag(loop))
             if looks % _FLUSH == 0:
                 self.journal.flush()
-        self.journal.write(self.t, "end", reason=self.ending.reason, code=self.ending.code)
-        self.journal.flush()
-        signal.setitimer(signal.ITIMER_REAL, _LAST_RESORT)
-        self.bus.close()
+            looks += 1
+
+    def _note_crash(self, error: Exception) -> None:
+        self.journal.write(self.t, "crash", trace=traceback.format_exc())
+        self.ending.ask(f"{type(error).__name__}: {error}", FAILED)
 
     def diag(self, loop: Loop) -> Diag:
         """Return how it is."""
@@ -163,9 +173,9 @@ class Process:
             work=loop.work.spread(),
             answers=loop.answers(),
             refused=self.refusals.table(),
-            perception=loop.perception,
-            run=str(self.run),
-            deployment=str(self.file),
+            perception=_printable(loop.perception),
+            run=_printable(str(self.run)),
+            deployment=_printable(str(self.file)),
         )
 
     def _diag_bytes(self, loop: Loop) -> bytes:
@@ -178,3 +188,7 @@ class Process:
 
     def _note_refused(self, key: str, reason: str, detail: str) -> None:
         self.journal.write(self.t, "refused", key=key, reason=reason, detail=detail)
+
+
+def _printable(text: str) -> str:
+    return "".join(letter if letter.isprintable() else "?" for letter in text[:1000])

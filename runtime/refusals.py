@@ -3,8 +3,10 @@
 from collections.abc import Callable
 from enum import StrEnum
 
-KEYS_KEPT = 64
-OTHER_KEYS = "(other keys)"
+UNKNOWN_KEYS = "(unknown keys)"
+"""Stands for all keys that are none of ours: what strangers make up is not repeated."""
+REASONS_KEPT = 16
+OTHER_REASONS = "other reasons"
 
 
 class Reason(StrEnum):
@@ -29,7 +31,7 @@ def say_nothing(key: str, reason: str, detail: str) -> None:
 
 
 class Refusals:
-    """Counts by key and reason, in bounded memory whatever a flood makes up.
+    """Counts by key and reason, in bounded memory as long as the keys are ours.
 
     say: called with key, reason and detail the first time a key gives a reason
     """
@@ -39,16 +41,19 @@ class Refusals:
         self._counts: dict[str, dict[str, int]] = {}
 
     def count(self, key: str, reason: str, detail: str = "") -> None:
-        """Count one refusal of what came on `key`."""
-        reasons = self._counts.get(key)
-        if reasons is None:
-            if len(self._counts) >= KEYS_KEPT:
-                key = OTHER_KEYS
-            reasons = self._counts.setdefault(key, {})
+        """Count one refusal of what came on `key`, which is one of ours."""
+        reasons = self._counts.setdefault(key, {})
         before = reasons.get(reason, 0)
+        if not before and len(reasons) >= REASONS_KEPT:
+            reason = OTHER_REASONS
+            before = reasons.get(reason, 0)
         reasons[reason] = before + 1
         if not before:
             self._say(key, reason, detail)
+
+    def count_unknown(self, key: str) -> None:
+        """Count a message on a key that is none of ours."""
+        self.count(UNKNOWN_KEYS, Reason.UNKNOWN_KEY, f"the first was {key[:100]!r}")
 
     def table(self) -> dict[str, dict[str, int]]:
         """Return a copy: key to reason to how many."""

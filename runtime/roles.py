@@ -3,6 +3,7 @@
 import sys
 from pathlib import Path
 
+from plant.errors import MsmaError
 from runtime import keys
 from runtime.agent_process import AgentLoop
 from runtime.deployment import Deployment
@@ -20,6 +21,8 @@ def live(
     given, that of the others which run already, or else a new one. Raises `MsmaError` if it
     cannot begin.
     """
+    if copy and role == keys.PLANT:
+        raise MsmaError("the plant is the robot: there can be no copy of it")
     with Process(deployment, role, file, run, copy=copy) as process:
         loop = _loop(process)
         place = f"{role} of {deployment.robot}"

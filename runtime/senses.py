@@ -51,7 +51,7 @@ class Senses:
             case keys.GOAL:
                 self._goal.take(arrival.data, now)
             case stranger:
-                self._refusals.count(stranger, Reason.UNKNOWN_KEY)
+                self._refusals.count_unknown(stranger)
         return False
 
     def percepts(self, now: float) -> Percepts | None:
@@ -60,8 +60,9 @@ class Senses:
         base = self._base.fresh(now)
         if hand is None and states is None:
             return None
+        t = max(hand.t if hand else 0.0, states.t if states else 0.0, base.t if base else 0.0)
         return Percepts(
-            t=max(message.t for message in (hand, states, base) if message is not None),
+            t,
             hand=np.array(hand.position) if hand else None,
             joints=Joints(np.array(states.position), np.array(states.velocity)) if states else None,
             base=np.array((base.x, base.y, base.heading)) if base else None,

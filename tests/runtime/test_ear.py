@@ -3,7 +3,7 @@ import pytest
 from runtime.ear import Ear
 from runtime.fields import MessageError
 from runtime.messages import JointCommand, pack
-from runtime.refusals import KEYS_KEPT, OTHER_KEYS, Reason, Refusals
+from runtime.refusals import OTHER_REASONS, REASONS_KEPT, UNKNOWN_KEYS, Reason, Refusals
 
 KEY = "arm/joint/1/cmd"
 
@@ -72,9 +72,14 @@ def test_each_kind_of_refusal_is_said_once_a_key() -> None:
 
 
 def test_a_flood_on_made_up_keys_is_counted_in_bounded_memory(refusals: Refusals) -> None:
-    for k in range(10 * KEYS_KEPT):
-        refusals.count(f"arm/{k}", Reason.UNKNOWN_KEY)
-    table = refusals.table()
-    assert len(table) == KEYS_KEPT + 1
-    assert sum(sum(reasons.values()) for reasons in table.values()) == 10 * KEYS_KEPT
-    assert table[OTHER_KEYS] == {Reason.UNKNOWN_KEY: 9 * KEYS_KEPT}
+    for k in range(640):
+        refusals.count_unknown(f"arm/{k}")
+    assert refusals.table() == {UNKNOWN_KEYS: {Reason.UNKNOWN_KEY: 640}}
+
+
+def test_reasons_without_end_are_counted_in_bounded_memory(refusals: Refusals) -> None:
+    for k in range(10 * REASONS_KEPT):
+        refusals.count("decide", f"a command of shape {k}")
+    reasons = refusals.table()["decide"]
+    assert len(reasons) == REASONS_KEPT + 1
+    assert reasons[OTHER_REASONS] == 9 * REASONS_KEPT

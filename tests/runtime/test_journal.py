@@ -3,7 +3,9 @@ import re
 import threading
 from pathlib import Path
 
-from runtime.journal import Journal, new_run_folder
+import pytest
+
+from runtime.journal import Journal, JournalError, new_run_folder
 
 
 def lines(path: Path) -> list[dict[str, object]]:
@@ -57,3 +59,23 @@ def test_two_runs_in_the_same_second_have_folders_of_their_own(tmp_path: Path) -
     for folder in folders:
         assert folder.is_dir()
         assert re.fullmatch(r"arph-\d{8}-\d{6}(-\d)?", folder.name)
+
+
+def test_a_folder_that_cannot_be_is_an_error_that_names_the_file(tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    with pytest.raises(JournalError, match=r"file/plant\.jsonl cannot be written: "):
+        Journal(tmp_path / "file", "plant")
+    with pytest.raises(JournalError, match="cannot be written"):
+        new_run_folder(tmp_path / "file", "arph")
+
+
+def test_a_full_disk_is_complained_of_once_and_stops_nobody(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "plant.jsonl").symlink_to("/dev/full")
+    journal = Journal(tmp_path, "plant")
+    for _ in range(3):
+        journal.write(0.0, "tick")
+        journal.flush()
+    journal.close()
+    assert capsys.readouterr().err.count("No space left") == 1

@@ -1,0 +1,103 @@
+"""Histories of commands: what the motors are told."""
+
+import numpy as np
+import pytest
+
+from plant import urdf
+from runtime import keys
+from runtime.bus import Arrival
+from runtime.messages import JointCommand, PlatformCommand, pack
+from runtime.orders import Orders
+from runtime.refusals import UNKNOWN_KEYS, Reason, Refusals
+
+HOLD, FRESH = 0.24, 0.2  # [s]
+
+
+class Plant:
+    """The orders of the mobile arm."""
+
+    def __init__(self) -> None:
+        self.refusals = Refusals()
+        robot = urdf.load("arph")
+        self.orders = Orders(robot, hold=HOLD, fresh=FRESH, refusals=self.refusals)
+        self._n = 0
+
+    def hears(self, joint: int, velocity: float, at: float, by: int = 7) -> bool:
+        self._n += 1
+        data = pack(JointCommand(0.5, velocity, by, self._n))
+        return self.orders.take(Arrival(keys.joint_command(joint), data), at) is not None
+
+    def joints(self, at: float) -> list[float]:
+        commands, _ = self.orders.in_force(at)
+        speeds: list[float] = commands.joints.tolist()
+        return speeds
+
+
+@pytest.fixture
+def plant() -> Plant:
+    return Plant()
+
+
+def test_at_first_all_stand_still(plant: Plant) -> None:
+    commands, ages = plant.orders.in_force(0.0)
+    assert not commands.joints.any()
+    assert not commands.base.any()
+    assert ages == [None] * 7
+
+
+def test_a_command_moves_its_joint_and_no_other(plant: Plant) -> None:
+    plant.hears(2, 0.3, at=1.0)
+    assert plant.joints(1.0) == [0.0, 0.3, 0.0, 0.0, 0.0, 0.0]
+
+
+def test_the_platform_is_told_both_of_its_speeds(plant: Plant) -> None:
+    data = pack(PlatformCommand(0.5, 0.1, -0.2, 7, 1))
+    answered = plant.orders.take(Arrival(keys.PLATFORM_COMMAND, data), 1.0)
+    assert answered == ("platform", 0.5)
+    assert plant.orders.in_force(1.0)[0].base == pytest.approx(np.array([0.1, -0.2]))
+
+
+def test_a_command_older_than_the_hold_time_brings_the_joint_to_rest(plant: Plant) -> None:
+    plant.hears(2, 0.3, at=1.0)
+    assert plant.joints(1.0 + HOLD)[1] == 0.3
+    assert plant.joints(1.0 + HOLD + 0.001)[1] == 0.0
+
+
+def test_ages_are_told_while_commands_hold(plant: Plant) -> None:
+    plant.hears(1, 0.3, at=1.0)
+    plant.hears(3, 0.3, at=0.7)
+    _, ages = plant.orders.in_force(1.1)
+    assert ages == [pytest.approx(0.1), *[None] * 6]
+
+
+def test_of_two_copies_the_newer_one_is_obeyed_while_it_is_fresh(plant: Plant) -> None:
+    history = {}
+    for tick in range(12):
+        t = tick * 0.06
+        plant.hears(1, 0.1, at=t, by=1)
+        if 3 <= tick < 6:
+            plant.hears(1, 0.2, at=t, by=2)
+        history[tick] = plant.joints(t)[0]
+    assert list(history.values()) == [0.1] * 4 + [0.2] * 5 + [0.1] * 3
+
+
+def test_a_speed_over_the_limit_is_counted(plant: Plant) -> None:
+    assert plant.hears(1, 99.0, at=1.0)
+    assert plant.refusals.table() == {keys.joint_command(1): {Reason.OVER_LIMIT: 1}}
+
+
+def test_a_command_for_a_joint_that_there_is_not_is_counted(plant: Plant) -> None:
+    assert not plant.hears(9, 0.1, at=1.0)
+    assert plant.refusals.table() == {UNKNOWN_KEYS: {Reason.UNKNOWN_KEY: 1}}
+
+
+def test_noise_on_one_joint_leaves_its_last_command_in_force(plant: Plant) -> None:
+    plant.hears(1, 0.1, at=1.0)
+    for _ in range(100):
+        assert plant.orders.take(Arrival(keys.joint_command(1), b"noise"), 1.0) is None
+    assert plant.joints(1.05)[0] == 0.1
+
+
+def test_the_role_and_the_state_that_it_answers_are_told(plant: Plant) -> None:
+    data = pack(JointCommand(0.42, 0.1, 7, 1))
+    assert plant.orders.take(Arrival(keys.joint_command(4), data), 1.0) == ("joint/4", 0.42)

@@ -1,0 +1,126 @@
+import numpy as np
+import pytest
+
+from agents.agent import Percepts
+from plant import urdf
+from runtime import keys
+from runtime.bus import Arrival
+from runtime.messages import (
+    GoalMessage,
+    HandPose,
+    JointStates,
+    Message,
+    PlatformPose,
+    pack,
+    stamp,
+)
+from runtime.refusals import UNKNOWN_KEYS, Reason, Refusals
+from runtime.senses import Senses
+
+FRESH = 0.2  # [s]
+STATES = JointStates(1.0, (0.0, 0.1, 0.2, 0.3, 0.4, 0.5), (0.0,) * 6)
+POSE = HandPose(1.06, (0.2, -0.18, 0.79), (0.0, 0.0, 0.0, 1.0))
+BASE = PlatformPose(0.94, -0.15, 0.0, 0.5)
+GOAL = GoalMessage(0.0, (1.0, 2.0, 3.0), (0.0, 0.0, 0.1), 0.5, 4.0)
+KEYS: dict[type[Message], str] = {
+    JointStates: keys.JOINTS,
+    HandPose: keys.HAND,
+    PlatformPose: keys.PLATFORM,
+    GoalMessage: keys.GOAL,
+}
+
+
+class Agent:
+    """The senses of an agent of the arm, and what they were told."""
+
+    def __init__(self) -> None:
+        self.refusals = Refusals()
+        self.senses = Senses(urdf.load("arph"), FRESH, self.refusals)
+        self._n = 0
+
+    def hears(self, message: Message, at: float, by: int = 7) -> bool:
+        self._n += 1
+        data = pack(stamp(message, by, self._n))
+        return self.senses.take(Arrival(KEYS[type(message)], data), at)
+
+    def sees(self, at: float) -> Percepts:
+        percepts = self.senses.percepts(at)
+        assert percepts is not None
+        return percepts
+
+
+@pytest.fixture
+def agent() -> Agent:
+    return Agent()
+
+
+def test_all_that_is_fresh_is_perceived(agent: Agent) -> None:
+    for message in (STATES, POSE, BASE, GOAL):
+        agent.hears(message, at=10.0)
+    percepts = agent.sees(10.1)
+    assert percepts.t == 1.06
+    assert percepts.hand == pytest.approx(np.array(POSE.position))
+    assert percepts.joints is not None
+    assert percepts.joints.position == pytest.approx(np.array(STATES.position))
+    assert percepts.base == pytest.approx(np.array([-0.15, 0.0, 0.5]))
+    assert percepts.goal is not None
+    assert percepts.goal.at(2.5) == pytest.approx(np.array([1.0, 2.0, 3.2]))
+
+
+def test_what_is_stale_is_not_perceived(agent: Agent) -> None:
+    agent.hears(STATES, at=10.0)
+    agent.hears(POSE, at=10.3)
+    percepts = agent.sees(10.35)
+    assert percepts.joints is None
+    assert percepts.hand is not None
+    assert percepts.base is None
+
+
+def test_a_goal_is_perceived_however_old_it_is(agent: Agent) -> None:
+    agent.hears(GOAL, at=10.0)
+    agent.hears(STATES, at=99.0)
+    assert agent.sees(99.0).goal is not None
+
+
+def test_an_operator_moves_the_goal_and_gives_it_back_by_falling_silent(agent: Agent) -> None:
+    other = GOAL._replace(position=(9.0, 9.0, 9.0))
+    for tick in range(20):
+        agent.hears(GOAL, at=tick * 0.06)
+        if 5 <= tick < 10:
+            agent.hears(other, at=tick * 0.06, by=8)
+        agent.hears(STATES, at=tick * 0.06)
+        goal = agent.sees(tick * 0.06).goal
+        assert goal is not None
+        theirs = 6 <= tick <= 12  # from the second thing said, until it is no longer fresh
+        assert goal.position[0] == (9.0 if theirs else 1.0)
+
+
+def test_blind_agents_perceive_nothing(agent: Agent) -> None:
+    assert agent.senses.percepts(0.0) is None
+    agent.hears(GOAL, at=10.0)
+    agent.hears(BASE, at=10.0)
+    assert agent.senses.percepts(10.0) is None
+
+
+def test_joint_states_call_for_a_decision(agent: Agent) -> None:
+    assert not agent.hears(BASE, at=10.0)
+    assert agent.hears(STATES, at=10.0)
+    assert not agent.hears(POSE, at=10.1)
+    assert not agent.hears(GOAL, at=10.1)
+
+
+def test_the_pose_calls_for_a_decision_when_there_are_no_joint_states(agent: Agent) -> None:
+    assert agent.hears(POSE, at=10.0)
+    agent.hears(STATES, at=10.0)
+    assert not agent.hears(POSE, at=10.1)
+    assert agent.hears(POSE, at=10.3)
+
+
+def test_joint_states_of_another_robot_are_refused(agent: Agent) -> None:
+    assert not agent.hears(JointStates(1.0, (0.0,) * 5, (0.0,) * 5), at=10.0)
+    assert agent.refusals.table() == {keys.JOINTS: {Reason.WRONG_LENGTH: 1}}
+
+
+def test_strange_keys_are_counted(agent: Agent) -> None:
+    assert not agent.senses.take(Arrival("arm/secret\x1b", b""), 0.0)
+    assert agent.refusals.table() == {UNKNOWN_KEYS: {Reason.UNKNOWN_KEY: 1}}
