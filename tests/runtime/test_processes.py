@@ -186,6 +186,25 @@ def test_plant_time_stands_still_while_the_plant_is_stopped(crew: Crew) -> None:
             assert abs(latter["q"][i] - former["q"][i]) < 1.0 * 0.02
 
 
+def test_an_agent_that_hung_for_a_while_goes_on_without_a_jump(crew: Crew) -> None:
+    crew.start("plant", "goal", *ARM)
+    bus = crew.visit()
+    hung = crew.until(bus, "plant", answered_by("joint/2"), "is answered").t
+    crew.kill("joint/2", signal.SIGSTOP)
+    crew.until(bus, "plant", lambda diag: diag.t > hung + 1.0, "goes on for a second")
+    crew.kill("joint/2", signal.SIGCONT)
+    crew.until(bus, "plant", lambda diag: diag.t > hung + 2.0, "goes on for another")
+    crew.kill("plant", signal.SIGTERM)
+    crew.result("plant")
+    ticks = log(crew, "plant", "tick")
+    ages = [tick["age"][1] for tick in ticks if tick["age"]]
+    assert None in ages  # while it hung its joint was brought to rest
+    assert ages[-1] is not None
+    for former, latter in pairwise(ticks):
+        turn = abs(latter["q"][1] - former["q"][1])
+        assert turn <= math.radians(50.0) * 0.02 + 1e-6
+
+
 def test_the_arm_follows_its_goal_when_the_goal_source_is_killed(crew: Crew) -> None:
     crew.start("plant", "goal", *ARM, "platform")
     bus = crew.visit()
