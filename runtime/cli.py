@@ -11,13 +11,17 @@ from importlib.util import find_spec
 
 import runtime.verbs
 from plant.errors import MsmaError
+from runtime.failures import RunError
 from runtime.tree import valid_are
 
 _GROUP = "msma.verbs"
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run `msma VERB ...` and return its exit code: 2 for bad input, 130 when interrupted."""
+    """Run `msma VERB ...` and return its exit code.
+
+    2 for bad input, 1 for what failed while it ran, 130 when interrupted.
+    """
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # for small arrays
     verb, *rest = (sys.argv[1:] if argv is None else argv) or [""]
     try:
@@ -32,7 +36,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return code
     except MsmaError as error:
         print("msma:", " ".join(str(error).splitlines()), file=sys.stderr)
-        return 2
+        return 1 if isinstance(error, RunError) else 2
     except KeyboardInterrupt:
         return 130
     except BrokenPipeError:  # who reads our output has seen enough

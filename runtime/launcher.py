@@ -9,11 +9,11 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from plant.errors import MsmaError
 from runtime.bus import Bus
 from runtime.children import Children, Ended
 from runtime.deployment import Deployment
 from runtime.ending import Ending
+from runtime.failures import RunError
 from runtime.journal import Journal, new_run_folder
 from runtime.life import Life
 from runtime.mesh import visitor
@@ -30,10 +30,6 @@ _AMPLE = 2.0  # [s] for processes to end by themselves when the run is over
 _ANSWER = 0.5  # [s] to wait for the answer to a request
 
 
-class LaunchError(MsmaError, RuntimeError):
-    """A run that could not begin."""
-
-
 class Happening(NamedTuple):
     """Something that happened at plant time `t` [s]."""
 
@@ -47,7 +43,7 @@ class Course(NamedTuple):
     code: 130 if it was interrupted, else 0
     reason: why it ended
     view: what was to be seen last of the processes, while they lived
-    happenings: what happened to processes; what broke in the robot is in the plant's log
+    happenings: what nobody else logs: how processes ended, and what was tried in vain
     """
 
     code: int
@@ -62,7 +58,7 @@ def prepare(deployment: Deployment) -> Path:
         run = new_run_folder(deployment.runs, deployment.robot).absolute()
         (run / "deployment.yaml").write_text(deployment.dump(), encoding="utf-8")
     except OSError as error:
-        raise LaunchError(f"the folder of the run cannot be written: {error}") from None
+        raise RunError(f"the folder of the run cannot be written: {error}") from None
     return run
 
 
@@ -85,7 +81,7 @@ class Launcher:
         self._starting = set(deployment.roles)
 
     def go(self) -> Course:
-        """Go through with the run; `LaunchError` if a process does not start.
+        """Go through with the run; `RunError` if a process does not start.
 
         Whatever happens, no process that was started is left when this returns.
         """
@@ -142,7 +138,7 @@ class Launcher:
 
     def _note_end(self, ended: Ended) -> None:
         if ended.role in self._starting and ended.code:
-            raise LaunchError(f"{ended.role} did not start: {ended.said or ended.how}")
+            raise RunError(f"{ended.role} did not start: {ended.said or ended.how}")
         if ended.code:
             self._happened(f"{ended.role} {ended.how}", pid=ended.pid, code=ended.code)
 
@@ -157,7 +153,8 @@ class Launcher:
             answers = self._watcher.stop(role, _ANSWER)
             self._happened(f"{role} {'is asked to stop' if answers else 'does not hear of a stop'}")
         elif event.action == "revive":
-            self._happened(f"{role} is started again", pid=self._children.revive(role))
+            self._children.revive(role)
+            self._screen.happened(self._view.t, f"{role} is started again")
         else:
             answers = self._watcher.fault(event.target, _ANSWER)
             if answers and answers[0].agreed:

@@ -37,8 +37,11 @@ def visitor(base: int, roles: int = FIRST_COPY) -> Place:
     return Place(0, tuple(base + slot for slot in (*range(roles), *range(FIRST_COPY, SLOTS))))
 
 
-def config(robot: str, place: Place) -> zenoh.Config:
-    """Return the session's configuration: what held when processes were killed and stopped."""
+def config(robot: str | None, place: Place) -> zenoh.Config:
+    """Return the session's configuration: what held when processes were killed and stopped.
+
+    Without a robot's name, keys are those of all robots, each below its robot's name.
+    """
     return zenoh.Config.from_json5(
         json.dumps(
             {

@@ -23,6 +23,7 @@ class Record:
 
     Attributes:
         t: (m,) plant time [s].
+        wall: (m,) the time of day [s].
         hand: (m, 3) grip point in the world [m].
         q: (m, n) joint angles [rad].
         base: (m, 3) x, y [m] and heading [rad] in the world.
@@ -31,11 +32,16 @@ class Record:
     """
 
     t: Array
+    wall: Array
     hand: Array
     q: Array
     base: Array
     base_velocity: Array
     events: Sequence[Mapping[str, Any]]
+
+    def t_at(self, wall: float) -> float:
+        """Return what plant time it was at a time of day [s]."""
+        return float(np.interp(wall, self.wall, self.t))
 
     @property
     def end(self) -> Mapping[str, Any]:
@@ -69,6 +75,6 @@ def read_record(run: Path) -> Record:
         raise RecordError(f"the plant logged no motion in {run / file_name(PLANT)}.jsonl")
     arrays = {
         name: np.array([tick[name] for tick in ticks], dtype=np.float64)
-        for name in ("t", "hand", "q", "base", "base_velocity")
+        for name in ("t", "wall", "hand", "q", "base", "base_velocity")
     }
     return Record(**arrays, events=[line for line in lines if line["event"] != "tick"])

@@ -3,7 +3,7 @@
 import json
 import math
 import shlex
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -108,19 +108,13 @@ def summarise(
 ) -> Summary:
     """Put together how the run in the folder `run` went."""
     code, headline = _outcome(deployment, course, record, verdict)
-    broken = [] if record is None else record.events
-    faults = [
-        Happening(event["t"], f"fault {event['fault']}")
-        for event in broken
-        if event["event"] == "fault"
-    ]
     return Summary(
         robot=deployment.robot,
         code=code,
         headline=headline,
         tolerance=deployment.tolerance,
         verdict=verdict,
-        happenings=tuple(sorted([*course.happenings, *faults])),
+        happenings=tuple(sorted([*course.happenings, *_logged(deployment, run, record)])),
         processes=tuple(_processes(deployment, run, course)),
         run=run,
         again=shlex.join(["msma", "launch", str(run / "deployment.yaml")]),
@@ -174,6 +168,19 @@ def _of_platform(platform: PlatformMotion) -> str:
         f"{backwards} ({platform.least_speed:.3f} m/s at least); heading {heading}, "
         f"hand {hand} off it, joint 1 at {yaw}"
     )
+
+
+def _logged(deployment: Deployment, run: Path, record: Record | None) -> Iterator[Happening]:
+    """Yield what broke in the robot, and who was started again, by the logs."""
+    if record is None:
+        return
+    for event in record.events:
+        if event["event"] == "fault":
+            yield Happening(event["t"], f"fault {event['fault']}")
+    for role in deployment.roles:
+        starts = [line for line in read_log(run, role) if line["event"] == "start"]
+        for again in starts[1:]:
+            yield Happening(record.t_at(again["wall"]), f"{role} was started again")
 
 
 def _processes(deployment: Deployment, run: Path, course: Course) -> list[ProcessSummary]:

@@ -11,7 +11,7 @@ HEADINGS = ("role", "pid", "host", "alive", "loop Hz", "answer ms", "refused", "
 
 def cells(row: Row, now: float) -> tuple[str, ...]:
     """Return a process's line, under the headings; `now` [s] is on the watcher's clock."""
-    alive = f"{'' if row.alive else 'gone '}{_ago(now - row.since)}"
+    alive = "yes" if row.alive else f"gone {_ago(now - row.since)}"
     if row.diag is None:
         return (row.role, "", "", alive, "", "", "", "")
     diag = row.diag

@@ -1,10 +1,9 @@
 """Start all processes of a robot, stay with them to the end of the run, and say how it went."""
 
 import argparse
-import sys
 from typing import TYPE_CHECKING
 
-from runtime.launcher import Launcher, LaunchError, prepare
+from runtime.launcher import Launcher, prepare
 from runtime.options import add_deployment_options, load_from
 
 if TYPE_CHECKING:
@@ -25,12 +24,8 @@ def run(args: argparse.Namespace) -> int:
 
         return open_screen(deployment.duration)
 
-    try:
-        folder = prepare(deployment)
-        course = Launcher(deployment, folder, make_screen).go()
-    except LaunchError as error:
-        print(f"msma: {error}", file=sys.stderr)
-        return 1
+    folder = prepare(deployment)
+    course = Launcher(deployment, folder, make_screen).go()
     from runtime.closing import close
 
     summary = close(deployment, folder, course)

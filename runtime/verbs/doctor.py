@@ -1,0 +1,27 @@
+"""Check whether this machine and a robot's place on it are fit to run, and say what to do."""
+
+import argparse
+from pathlib import Path
+
+from runtime.checkup import Grade, machine, place
+from runtime.deployment import load
+from runtime.finding import add_target_options, target_of
+from runtime.keys import PLANT
+from runtime.ports import FIRST_COPY
+from runtime.table import columns
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add which robot; without one only the machine is looked at."""
+    add_target_options(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Check; 1 if anything is bad."""
+    deployment = None if args.file is None else load(args.file, only_role=PLANT)
+    findings = list(machine(Path.cwd() / "runs" if deployment is None else deployment.runs))
+    if args.robot is not None or deployment is not None:
+        roles = FIRST_COPY if deployment is None else len(deployment.roles)
+        findings += place(target_of(args), roles)
+    print("\n".join(columns([(one.grade.value, one.what, one.detail) for one in findings])))
+    return 1 if any(one.grade is Grade.BAD for one in findings) else 0

@@ -1,0 +1,23 @@
+"""Kill the process of a role, as a crash would: the others do not notice."""
+
+import argparse
+import os
+import signal
+
+from runtime.finding import add_target_options, target_of, visit
+from runtime.local import pids_in
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add which robot and which role."""
+    parser.add_argument("role", metavar="ROLE", help="such as joint/2; it must run on this host")
+    add_target_options(parser)
+
+
+def run(args: argparse.Namespace) -> int:
+    """Kill it; 1 if it is not there."""
+    with visit(target_of(args)) as bus:
+        for pid in pids_in(bus, args.role):
+            os.kill(pid, signal.SIGKILL)
+            print(f"killed {args.role}, process {pid}")
+    return 0

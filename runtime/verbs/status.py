@@ -1,0 +1,97 @@
+"""Show how a running robot and each of its processes are."""
+
+import argparse
+import json
+import time
+from collections.abc import Mapping
+
+from runtime.finding import add_target_options, target_of, visit
+from runtime.local import diags, silent_roles
+from runtime.table import HEADINGS, cells, columns, distance
+from runtime.watcher import View, Watcher
+
+_FRAME = 0.25  # [s]
+_HAND = 0.3  # [s] to wait for where the hand is
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add which robot, and how to show it."""
+    add_target_options(parser)
+    how = parser.add_mutually_exclusive_group()
+    how.add_argument("--watch", action="store_true", help="go on until Ctrl-C")
+    how.add_argument("--json", action="store_true", help="for programs; SI units")
+
+
+def run(args: argparse.Namespace) -> int:
+    """Show it; 1 if nothing of it runs."""
+    target = target_of(args)
+    with visit(target) as bus:
+        watcher = Watcher(bus)
+        watcher.ask_all()
+        if args.watch:
+            _watch(watcher)
+        view = _glance(watcher)
+        silent = silent_roles(diags(bus))
+    if args.json:
+        print(_json(target.robot, view, silent))
+    else:
+        print(_text(target.robot, view, silent))
+    return 0
+
+
+def _glance(watcher: Watcher) -> View:
+    """Look once the hand and the goal were told, if they are."""
+    until = time.monotonic() + _HAND
+    view = watcher.look()
+    while view.error is None and time.monotonic() < until:
+        time.sleep(0.02)
+        view = watcher.look()
+    return view
+
+
+def _watch(watcher: Watcher) -> None:
+    from rich.live import Live
+
+    from runtime.screen import picture
+
+    with Live(auto_refresh=False) as live:
+        while True:
+            live.update(picture(watcher.look(), None), refresh=True)
+            time.sleep(_FRAME)
+
+
+def _text(robot: str, view: View, silent: Mapping[str, str]) -> str:
+    now = time.monotonic()
+    lines = [f"{robot}: {view.t:.2f} s, hand {distance(view.error)} off"]
+    lines += columns([HEADINGS, *(cells(row, now) for row in view.rows)])
+    lines += [f"{role}: {how}" for role, how in silent.items()]
+    for row in view.rows:
+        for key, reasons in (row.diag.refused if row.diag else {}).items():
+            counts = ", ".join(f"{count} {reason}" for reason, count in reasons.items())
+            lines.append(f"{row.role} refused on {key}: {counts}")
+    return "\n".join(lines)
+
+
+def _json(robot: str, view: View, silent: Mapping[str, str]) -> str:
+    processes = [
+        {
+            "role": row.role,
+            "alive": row.alive,
+            "answer": row.answer and row.answer._asdict(),
+            **({} if row.diag is None else row.diag._asdict()),
+        }
+        for row in view.rows
+    ]
+    for process in processes:
+        for name in ("work", "answers"):
+            process.pop(name, None)
+    plain = {
+        "robot": robot,
+        "t": view.t,
+        "hand": view.hand,
+        "goal": view.goal,
+        "error": view.error,
+        "processes": processes,
+        "silent": silent,
+    }
+    return json.dumps(plain, indent=2)
