@@ -4,13 +4,18 @@ from pathlib import Path
 
 from runtime.deployment import Deployment
 from runtime.launcher import Course
-from runtime.record import RecordError, read_record
+from runtime.record import Record, RecordError, read_record
 from runtime.summary import Summary, summarise, write
 from runtime.verdict import judge
 
+PICTURE = "path.png"
 
-def close(deployment: Deployment, run: Path, course: Course) -> Summary:
-    """Leave `summary.json` in the run's folder, and return the summary."""
+
+def close(deployment: Deployment, run: Path, course: Course) -> tuple[Summary, str]:
+    """Leave `summary.json` and a picture in the run's folder.
+
+    Returns: the summary, and a line about the picture.
+    """
     try:
         record = read_record(run)
     except RecordError:
@@ -18,4 +23,14 @@ def close(deployment: Deployment, run: Path, course: Course) -> Summary:
     verdict = None if record is None else judge(record, deployment)
     summary = summarise(deployment, run, course, record, verdict)
     write(summary)
-    return summary
+    return summary, "" if record is None else _draw(record, deployment, summary)
+
+
+def _draw(record: Record, deployment: Deployment, summary: Summary) -> str:
+    try:
+        from runtime.plots import draw
+    except ImportError:
+        return "  no picture without matplotlib: pip install 'msma[plots]'"
+    file = summary.run / PICTURE
+    draw(record, deployment, summary.happenings, file)
+    return f"  picture: {file}"

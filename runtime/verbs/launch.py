@@ -28,6 +28,6 @@ def run(args: argparse.Namespace) -> int:
     course = Launcher(deployment, folder, make_screen).go()
     from runtime.closing import close
 
-    summary = close(deployment, folder, course)
-    print(summary.text())
+    summary, picture = close(deployment, folder, course)
+    print(summary.text(), picture, sep="\n")
     return summary.code
