@@ -214,13 +214,13 @@ class PlatformAgent(Agent):
         return root
 
 
-LEAD = 0.2  # [m] how far along the hand's travel a steering platform looks, at the least
+LEAD = 0.15  # [m] how far along the hand's travel a steering platform looks, at the least
 COURSE_SPEED = 0.05  # [m/s] from which the goal's travel counts in full
 NEAR_ROOT = 0.05  # [m] from the arm's root within which the arm points nowhere
 ARM_WEIGHT = 0.4  # of where the arm points, beside where the hand has to go
-FRONT = 0.2  # [m] ahead of the axle from which turning serves the hand in full
-FAR = 0.4  # [m] from the goal, seen from above, from which it is driven to
-BRISK = 6.0  # times as briskly does it line up where turning does not serve the hand
+FRONT = 0.3  # [m] ahead of the axle from which turning serves the hand in full
+FAR = 0.3  # [m] from the goal, seen from above, from which it is driven to
+BRISK = 9.0  # times as briskly does it line up where turning does not serve the hand
 
 
 def _in_front(scene: Scene) -> Array:
