@@ -74,6 +74,7 @@ class Launcher:
         self._deployment = deployment
         self._make_screen = make_screen
         self._ending = Ending()
+        self._run = str(run)
         self._children = Children(run)
         self._journal = Journal(run, "launcher")
         self._schedule = Schedule(deployment.chaos)
@@ -124,7 +125,9 @@ class Launcher:
             self._view = self._watcher.look()
             if self._view.t != before:
                 life.plant_heard(self._view.t, now)
-            self._starting -= {row.role for row in self._view.rows}
+            self._starting -= {
+                row.role for row in self._view.rows if row.diag and row.diag.run == self._run
+            }
             for ended in self._children.ended():
                 self._note_end(ended)
             for event in self._schedule.due(self._view.t):

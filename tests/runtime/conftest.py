@@ -1,5 +1,6 @@
 """Real processes on ports of their own, of which none is left when the test is over."""
 
+import json
 import os
 import random
 import signal
@@ -9,16 +10,19 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, suppress
+from itertools import count
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import pytest
 
 from runtime import keys
 from runtime.bus import Bus
+from runtime.finding import is_taken
 from runtime.mesh import HOST, visitor
 from runtime.messages import Diag, unpack
-from runtime.ports import SLOTS
+from runtime.ports import SLOTS, port_base
+from runtime.record import read_log
 
 ROOT = Path(__file__).parents[2]
 T = TypeVar("T")
@@ -87,6 +91,132 @@ class Crew:
             return diag if diag is not None and true(diag) else None
 
         return wait_for(look, f"{role}: {what}")
+
+
+_MARKS = count()
+
+
+class Robot:
+    """A robot of a name of its own, with `msma` as a person would use it from another folder."""
+
+    def __init__(self, folder: Path, stack: ExitStack) -> None:
+        self.name = _free_name()
+        self.folder = folder / self.name
+        self.folder.mkdir()
+        self._mark = f"MSMA_TEST={os.getpid()}-{next(_MARKS)}"
+        name, _, value = self._mark.partition("=")
+        self._environment = {**os.environ, name: value, "PYTHONPATH": str(ROOT)}
+        self._launched: list[subprocess.Popen[str]] = []
+        stack.callback(self._end)
+
+    def msma(self, *arguments: str, **more: Any) -> subprocess.CompletedProcess[str]:
+        """Call `msma` and wait for its end."""
+        return subprocess.run(
+            [sys.executable, "-m", "runtime.cli", *arguments],
+            cwd=self.folder,
+            env=self._environment,
+            capture_output=True,
+            text=True,
+            timeout=60,
+            **more,
+        )
+
+    def tool(self, verb: str, *arguments: str) -> subprocess.CompletedProcess[str]:
+        """Call a verb for this robot."""
+        return self.msma(verb, *arguments, "--robot", self.name)
+
+    def launch(self, *options: str, file: str = "arph.yaml") -> subprocess.Popen[str]:
+        """Start `msma launch` for this robot."""
+        command = ["launch", str(ROOT / "deploy" / file), "--robot", self.name, *options]
+        launcher = subprocess.Popen(
+            [sys.executable, "-m", "runtime.cli", *command],
+            cwd=self.folder,
+            env=self._environment,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        self._launched.append(launcher)
+        return launcher
+
+    def run(self, *options: str, file: str = "arph.yaml") -> tuple[int, str]:
+        """Launch and wait for the end: the exit code, and all that was said."""
+        launcher = self.launch(*options, file=file)
+        out, err = launcher.communicate(timeout=60)
+        return launcher.returncode, out + err
+
+    @property
+    def run_folder(self) -> Path:
+        """The folder of its last run."""
+        return max((self.folder / "runs").iterdir(), key=lambda folder: folder.stat().st_mtime)
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """What its last run's summary says."""
+        found: dict[str, Any] = json.loads((self.run_folder / "summary.json").read_text())
+        return found
+
+    def log(self, role: str, event: str) -> list[dict[str, Any]]:
+        """Return the lines of an event in a role's log."""
+        lines = read_log(self.run_folder, role)
+        return [line for line in lines if line["event"] == event]
+
+    @property
+    def t(self) -> float:
+        """Plant time that the log has reached [s]; negative while there is none."""
+        with suppress(OSError, ValueError, IndexError):
+            return float(self.log("plant", "tick")[-1]["t"])
+        return -1.0
+
+    def until(self, t: float) -> None:
+        """Wait for a plant time [s]."""
+        wait_for(lambda: self.t >= t, f"plant time {t:g} s", timeout=30.0)
+
+    def pid(self, role: str) -> int:
+        """Return the process id of the last one that was started in a role."""
+        return int(self.log(role, "start")[-1]["pid"])
+
+    def processes(self) -> dict[int, str]:
+        """Return all processes that this robot's launchers and tools have left running."""
+        found = {}
+        for folder in Path("/proc").glob("[0-9]*"):
+            with suppress(OSError):
+                if f"{self._mark}\0".encode() in (folder / "environ").read_bytes():
+                    found[int(folder.name)] = (folder / "cmdline").read_text().replace("\0", " ")
+        for launcher in self._launched:
+            found.pop(launcher.pid, None)
+        return found
+
+    def _end(self) -> None:
+        for launcher in self._launched:
+            launcher.kill()
+            launcher.communicate()
+        for pid in self.processes():
+            with suppress(ProcessLookupError):
+                os.kill(pid, signal.SIGKILL)
+        wait_for(lambda: not self.processes(), "all processes to be gone")
+
+
+def _free_name() -> str:
+    """Return a robot's name whose ports are free."""
+    while True:
+        name = f"test-{os.getpid()}-{random.randrange(10**6)}"
+        base = port_base(name)
+        if not any(map(is_taken, range(base, base + SLOTS))):
+            return name
+
+
+@pytest.fixture
+def make_robot(tmp_path: Path) -> Iterator[Callable[[], Robot]]:
+    """Make robots to launch."""
+    with ExitStack() as stack:
+        yield lambda: Robot(tmp_path, stack)
+
+
+@pytest.fixture
+def robot(make_robot: Callable[[], Robot]) -> Robot:
+    """Make one robot to launch."""
+    return make_robot()
 
 
 def _end(process: subprocess.Popen[str]) -> None:

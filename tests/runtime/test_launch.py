@@ -1,0 +1,225 @@
+"""The main job with real processes: launched, killed on the way, judged, and none left over."""
+
+import os
+import signal
+import time
+from collections.abc import Callable
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+from tests.runtime.conftest import Robot, wait_for
+
+SPEED = ("--speed", "3")
+ROLES = ["plant", "goal", *(f"joint/{number}" for number in range(1, 7)), "platform"]
+
+
+@pytest.fixture(autouse=True)
+def _time_for_a_run(request: pytest.FixtureRequest) -> None:
+    request.node.add_marker(pytest.mark.timeout(60))
+
+
+def test_the_paper_s_task_is_done_and_nothing_is_left_but_the_record(robot: Robot) -> None:
+    code, said = robot.run(*SPEED)
+    assert code == 0, said
+    assert robot.processes() == {}
+    assert "goal reached" in said
+    summary = robot.summary
+    verdict = summary["verdict"]
+    assert verdict["tracking"]["worst"] < 0.003
+    assert verdict["platform"]["least_speed"] > -1e-6
+    assert abs(verdict["platform"]["to_hand"]) < 0.5
+    assert abs(verdict["platform"]["arm_yaw"]) < 0.175  # 10 deg
+    elbow = next(joint for joint in verdict["joints"] if joint["name"] == "elbow")
+    assert 0.96 < abs(elbow["final"]) < 1.48  # 55 to 85 deg
+    assert elbow["straightest"] > 0.35  # 20 deg
+    assert [process["role"] for process in summary["processes"]] == ROLES
+    files = {path.name for path in robot.run_folder.iterdir()}
+    assert {"deployment.yaml", "summary.json", "path.png", "plant.jsonl", "joint-6.jsonl"} <= files
+    assert (robot.run_folder / "path.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_processes_show_their_roles_and_have_sessions_of_their_own(robot: Robot) -> None:
+    robot.launch("--duration", "5s")
+    robot.until(0.5)
+    processes = robot.processes()
+    assert sorted(line.split()[-1] for line in processes.values()) == sorted(ROLES)
+    assert {os.getsid(pid) for pid in processes} == set(processes)
+
+
+def test_the_first_motion_comes_soon_after_the_command(robot: Robot) -> None:
+    began = time.time()
+    robot.launch("--duration", "2s")
+    robot.until(1.0)
+    moved = next(tick for tick in robot.log("plant", "tick") if any(tick["qd"]))
+    assert moved["wall"] - began < 3.0  # 1.5 on an idle machine; tests may share it
+
+
+@pytest.mark.parametrize("role", ["joint/1", "joint/2", "joint/3"])
+def test_the_goal_is_reached_when_a_joint_agent_is_killed(robot: Robot, role: str) -> None:
+    code, said = robot.run(*SPEED, "--kill", f"{role}@8")
+    assert code == 0, said
+    assert f"{role} was killed by SIGKILL" in said
+    (event,) = robot.summary["happenings"]
+    assert 8.0 <= event["t"] < 9.0
+
+
+def test_launcher_and_goal_source_may_be_killed(robot: Robot) -> None:
+    launcher = robot.launch(*SPEED)
+    robot.until(5.0)
+    launcher.kill()
+    os.kill(robot.pid("goal"), signal.SIGKILL)
+    robot.until(24.0)
+    wait_for(lambda: not robot.processes(), "all to end by themselves", timeout=5.0)
+    hand = robot.log("plant", "tick")[-1]["hand"]
+    assert hand == pytest.approx([0.20, -1.86, 1.27], abs=0.003)
+
+
+def test_an_agent_that_hung_for_a_while_goes_on_without_a_jump(robot: Robot) -> None:
+    launcher = robot.launch(*SPEED)
+    robot.until(5.0)
+    os.kill(robot.pid("joint/2"), signal.SIGSTOP)
+    robot.until(8.0)
+    os.kill(robot.pid("joint/2"), signal.SIGCONT)
+    out, _ = launcher.communicate(timeout=30)
+    assert launcher.returncode == 0, out
+    for before, after in pairwise(robot.log("plant", "tick")):
+        for here, there in zip(before["q"], after["q"], strict=True):
+            assert abs(there - here) < 0.8727 * 0.06 + 1e-6  # 50 deg/s for one period
+
+
+def test_an_agent_that_hangs_at_the_end_is_killed(robot: Robot) -> None:
+    launcher = robot.launch("--duration", "2s")
+    robot.until(1.0)
+    os.kill(robot.pid("joint/5"), signal.SIGSTOP)
+    robot.until(2.0)
+    launcher.communicate(timeout=6)
+    assert launcher.returncode == 0
+    assert robot.processes() == {}
+
+
+def test_without_the_platform_the_arm_goes_as_far_as_it_reaches(robot: Robot) -> None:
+    code, said = robot.run(*SPEED, "--kill", "platform@5")
+    assert code == 3
+    assert "out of reach" in said
+    tracking = robot.summary["verdict"]["tracking"]
+    assert 0.2 < tracking["nearest"] <= tracking["final"] < tracking["nearest"] + 0.1
+
+
+def test_chaos_kills_revives_and_breaks_by_the_clock_of_the_plant(robot: Robot) -> None:
+    code, said = robot.run(*SPEED, file="arph-faults.yaml")
+    assert code == 0, said
+    what = [(event["text"], event["t"]) for event in robot.summary["happenings"]]
+    assert [text for text, _ in what] == [
+        "fault joint/1:locked",
+        "joint/2 was killed by SIGKILL",
+        "joint/2 was started again",
+    ]
+    assert [t for _, t in what] == pytest.approx([5.0, 10.0, 15.0], abs=1.5)
+    restarts = {process["role"]: process["restarts"] for process in robot.summary["processes"]}
+    assert restarts == {role: int(role == "joint/2") for role in ROLES}
+
+
+def test_two_robots_at_once_both_succeed(make_robot: Callable[[], Robot]) -> None:
+    robots = make_robot(), make_robot()
+    launchers = [robot.launch("--duration", "6s", "--speed", "2") for robot in robots]
+    for robot, launcher in zip(robots, launchers, strict=True):
+        out, err = launcher.communicate(timeout=30)
+        assert launcher.returncode == 0, out + err
+        assert all(not process["refused"] for process in robot.summary["processes"])
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupted_launch_leaves_no_process(robot: Robot, number: signal.Signals) -> None:
+    launcher = robot.launch()
+    robot.until(0.5)
+    began = time.monotonic()
+    launcher.send_signal(number)
+    out, _ = launcher.communicate(timeout=10)
+    assert time.monotonic() - began < 3.0
+    assert robot.processes() == {}
+    assert launcher.returncode == 130
+    assert "interrupted" in out
+
+
+def test_an_interrupted_launch_ends_even_those_who_hang(robot: Robot) -> None:
+    launcher = robot.launch()
+    robot.until(0.5)
+    for role in ("plant", "joint/1"):
+        os.kill(robot.pid(role), signal.SIGSTOP)
+    began = time.monotonic()
+    launcher.send_signal(signal.SIGINT)
+    launcher.communicate(timeout=10)
+    assert time.monotonic() - began < 3.0
+    assert robot.processes() == {}
+
+
+def test_a_second_launch_of_the_same_robot_fails_and_spares_the_first(robot: Robot) -> None:
+    first = robot.launch("--duration", "4s")
+    robot.until(0.5)
+    before = robot.processes()
+    code, said = robot.run("--duration", "4s")
+    assert code == 1
+    assert said.count("\n") == 1
+    assert "is taken" in said
+    assert robot.processes() == before
+    first.communicate(timeout=20)
+    assert first.returncode == 0
+
+
+def test_a_start_that_fails_in_a_process_ends_the_others(robot: Robot, tmp_path: Path) -> None:
+    (tmp_path / "fussy.py").write_text(
+        "from agents.joint import HoldAgent\n"
+        "class Fussy(HoldAgent):\n"
+        "    def __init__(self, body, **more):\n"
+        "        if '\\0agent\\0' in open('/proc/self/cmdline').read():\n"
+        "            raise ValueError('not today')\n"
+        "        super().__init__(body, **more)\n"
+    )
+    began = time.monotonic()
+    code, said = robot.run(
+        "--set", f"modules={tmp_path}", "--set", "agents.joint/5.class=fussy:Fussy"
+    )
+    assert code == 1
+    assert "joint/5" in said
+    assert "not today" in said
+    assert said.count("\n") == 1
+    assert robot.processes() == {}
+    assert time.monotonic() - began < 6.0
+
+
+@pytest.mark.parametrize(
+    ("options", "part"),
+    [
+        (("--set", "period=-60ms"), "period"),
+        (("--set", "agents.joint/1.class=agents.joint:Nobody"), "Nobody"),
+        (("--kill", "joint/9@3"), "joint/9"),
+        (("--set", "tolerance=3s"), "tolerance"),
+    ],
+)
+def test_bad_input_starts_nothing(robot: Robot, options: tuple[str, ...], part: str) -> None:
+    code, said = robot.run(*options)
+    assert code == 2
+    assert said.count("\n") == 1
+    assert part in said
+    assert not (robot.folder / "runs").exists()
+
+
+def test_a_run_folder_that_cannot_be_written_is_said(robot: Robot) -> None:
+    (robot.folder / "runs").write_text("not a folder")
+    code, said = robot.run()
+    assert code == 1
+    assert "folder" in said
+
+
+def test_a_run_can_be_repeated_from_its_folder(robot: Robot) -> None:
+    robot.run("--duration", "1s", "--kill", "joint/4@0.5")
+    first = robot.run_folder
+    again = robot.summary["again"].split()
+    assert again == ["msma", "launch", str(first / "deployment.yaml")]
+    robot.msma(*again[1:])
+    assert robot.run_folder != first
+    assert [event["text"] for event in robot.summary["happenings"]] == [
+        "joint/4 was killed by SIGKILL"
+    ]
