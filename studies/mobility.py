@@ -12,6 +12,11 @@ from studies.lockstep import Trace
 STILL = 0.002
 """Speed of the platform under which it goes neither forward nor back [m/s]."""
 
+NEAR = 0.01
+"""Distance from the goal within which nothing is stuck [m]."""
+PROGRESS, WINDOW = 0.98, 1.0
+"""More than this share of the distance left after so long [s] is no progress."""
+
 
 def reversal(base_velocity: Array, dt: float) -> Array:
     """(...) distance gone backwards [m]: of (K, ..., 2) speeds at ticks `dt` [s] apart."""
@@ -121,3 +126,25 @@ def turned_about(base: Array) -> Array:
     """(...) through how much the platform turned, there and back [rad], of (K, ..., 3) poses."""
     turned: Array = np.abs(np.diff(base[..., 2], axis=0)).sum(axis=0)
     return turned
+
+
+def stalled(error: Array, dt: float) -> tuple[list[float], bool]:
+    """How long each time without progress took [s], and whether the last one lasts to the end.
+
+    error: (K,) [m] at ticks `dt` [s] apart
+    """
+    window = round(WINDOW / dt)
+    lengths: list[float] = []
+    since: int | None = None
+    for tick in range(len(error) - window):
+        ahead = error[tick : tick + window + 1]
+        stuck = error[tick] > NEAR and ahead.min() >= PROGRESS * error[tick]
+        if stuck and since is None:
+            since = tick
+        elif not stuck and since is not None:
+            lengths.append((tick - 1 - since + window) * dt)
+            since = None
+    if since is None:
+        return lengths, False
+    lengths.append((len(error) - 1 - since) * dt)
+    return lengths, True
