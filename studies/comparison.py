@@ -1,0 +1,47 @@
+"""The picture of MSMA beside other controllers."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from studies.drawing import COLOURS, DASHES, save, sheet
+
+if TYPE_CHECKING:
+    from studies.told_nothing import Tried
+
+
+def compared(tried: Sequence["Tried"], maps: Sequence[str], file: Path) -> Path:
+    """Share of faults survived, map by map, and the nominal runs."""
+    figure, axes = sheet(11.0, 9.0, 2, 2)
+    width = 0.8 / len(tried)
+    at = np.arange(len(maps))
+    hatches = ("", "//", "..", "xx")
+    for place, each in enumerate(tried):
+        shares = [100.0 * outcome.share for outcome in each.outcomes]
+        bars = axes[0].bar(at + place * width, shares, width, color=COLOURS[place],
+                           hatch=hatches[place], edgecolor="white", label=each.name)  # fmt: skip
+        axes[0].bar_label(bars, fmt="%.0f", fontsize=8)
+        trace = each.nominal.trace
+        style, colour = DASHES[place], COLOURS[place]
+        axes[1].semilogy(trace.t, np.maximum(1e3 * trace.error, 1e-3), color=colour,
+                         linestyle=style, label=each.name)  # fmt: skip
+        axes[2].plot(trace.base[:, 1], trace.base[:, 0], color=colour, linestyle=style,
+                     label=each.name)  # fmt: skip
+        final = np.concatenate([o.final[o.reachable] for o in each.outcomes])
+        axes[3].step(np.sort(1e3 * final), np.arange(1, final.size + 1) / final.size * 100,
+                     color=colour, linestyle=style, label=each.name, where="post")  # fmt: skip
+    axes[0].set_xticks(at + 0.4 - width / 2, [name.replace(", ", ",\n") for name in maps])
+    axes[0].set(ylabel="reachable cells that end within 3 mm [%]", ylim=(0, 118))
+    axes[1].set(xlabel="time [s]", ylabel="error, nothing broken [mm]")
+    axes[2].invert_xaxis()
+    axes[2].set_aspect("equal", adjustable="datalim")
+    axes[2].set(xlabel="y, to the left [m]", ylabel="x, ahead [m]",
+                title="the platform's path, nothing broken")  # fmt: skip
+    axes[3].set(xscale="log", xlim=(0.05, 3000), xlabel="error at the end, all faults [mm]",
+                ylabel="share of the reachable cells [%]")  # fmt: skip
+    axes[3].axvline(3.0, color="black", linestyle=":", linewidth=0.8)
+    for axis in axes:
+        axis.legend(fontsize=8)
+    return save(figure, file)
