@@ -115,7 +115,6 @@ def _cross(u: Array, v: Array) -> Array:
 
 def _within(a: Array, b: Array, p: Array) -> npt.NDArray[np.bool_]:
     """Whether p, on the line through a and b, lies between them."""
-    inside: npt.NDArray[np.bool_] = (
-        (p >= np.minimum(a, b)) & (p <= np.maximum(a, b))
-    ).all(axis=-1)
+    between = (p >= np.minimum(a, b)) & (p <= np.maximum(a, b))
+    inside: npt.NDArray[np.bool_] = np.asarray(between.all(axis=-1))
     return inside

@@ -1,0 +1,93 @@
+"""The pictures of the planar arm's studies."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patches import Annulus
+
+from agents.agent import Array
+from studies.drawing import BLUE, GREEN, ORANGE, RED, SKY, save, sheet
+from studies.md import arm_points
+
+if TYPE_CHECKING:
+    from studies.broken_joints import Found as Broken
+
+LINK = 0.2
+"""Of the planar arm [m]."""
+GREY = "#8C8C8C"
+
+
+def draw_arm(
+    axis: Axes, q: Array, colour: str, broken: tuple[int, ...] = (), label: str | None = None,
+    alpha: float = 1.0,
+) -> None:  # fmt: skip
+    """Draw a planar arm at angles q (n,) [rad]; a broken joint as a square, its link dashed."""
+    points = arm_points(q, LINK)
+    for i in range(len(q)):
+        axis.plot(
+            points[i : i + 2, 0], points[i : i + 2, 1], color=colour, linewidth=2.5, alpha=alpha,
+            linestyle="--" if i in broken else "-", label=label if i == 0 else None,
+        )  # fmt: skip
+        axis.plot(
+            *points[i], "s" if i in broken else "o", markersize=8 if i in broken else 5,
+            markerfacecolor="white", markeredgecolor=colour, markeredgewidth=1.5, alpha=alpha,
+        )  # fmt: skip
+    axis.plot(*points[-1], "x", color=colour, markersize=8, markeredgewidth=2, alpha=alpha)
+
+
+def two_broken(found: "Broken", file: Path) -> Path:
+    """Figure 6: the reachable area, what was reached of it, and three postures."""
+    from studies.broken_joints import PAPER_BROKEN, TOLERANCE
+
+    figure, axes = sheet(11.0, 6.2, 1, 2)
+    for axis, (name, reached) in zip(axes, found.paper.items(), strict=True):
+        ok = reached.settled < TOLERANCE
+        axis.plot(*found.places[ok].T, ".", color=SKY, markersize=2,
+                  label=f"reached within 1 mm: {ok.sum()} of {ok.size}")  # fmt: skip
+        if not ok.all():
+            axis.plot(*found.places[~ok].T, "x", color=RED, label=f"missed: {(~ok).sum()}")
+        outer, inner = float(found.area.outer), float(found.area.inner)
+        axis.add_patch(Annulus(tuple(found.area.centre), outer, outer - inner * 0.999,
+                               facecolor="none", edgecolor="black", linewidth=1.2))  # fmt: skip
+        for colour, q in zip((BLUE, ORANGE, RED), found.samples, strict=True):
+            draw_arm(axis, q, colour, PAPER_BROKEN)
+        axis.plot([], [], "s--", color=GREY, markerfacecolor="white", label="broken joint")
+        axis.plot([], [], "o-", color=GREY, markerfacecolor="white", label="working joint")
+        axis.set_aspect("equal")
+        axis.set(xlabel="x [m]", ylabel="y [m]", title=f"perception: {name}",
+                 ylim=(-outer - 0.05, outer + 0.33))  # fmt: skip
+        axis.legend(loc="upper center", ncols=2, fontsize=8)
+    figure.suptitle("Two of five joints broken: all of the reachable area, and three postures")
+    return save(figure, file)
+
+
+def convergence(found: "Broken", file: Path) -> Path:
+    """How the distance to the goal goes: our law, and the fixed step with its limit cycles."""
+    figure, axes = sheet(10.0, 4.5, 1, 2)
+    cases = [
+        ("line, blackboard", found.paper["blackboard"].history, BLUE, "-"),
+        ("line, localiser", found.paper["localiser"].history, GREEN, "--"),
+    ]
+    for (degrees, reached), colour in zip(found.fixed.items(), (ORANGE, RED), strict=True):
+        cases.append((f"fixed step {degrees:g} deg, blackboard", reached.history, colour, ":"))
+    for name, history, colour, dash in cases:
+        shown = 1e3 * np.maximum(history[:301], 1e-6)
+        steps = np.arange(len(shown))
+        axes[0].semilogy(steps, np.median(shown, axis=1), color=colour, linestyle=dash, label=name)
+        axes[0].semilogy(steps, np.percentile(shown, 95, axis=1), color=colour, linestyle=dash,
+                         alpha=0.4)  # fmt: skip
+        ends = np.sort(1e3 * np.maximum(history[-10:].max(axis=0), 1e-6))
+        axes[1].semilogx(ends, 100 * np.arange(1, len(ends) + 1) / len(ends), color=colour,
+                         linestyle=dash, label=name)  # fmt: skip
+    axes[0].axhline(5, color="black", linewidth=0.8, linestyle=":")
+    axes[0].set(xlabel="steps of 0.1 s", ylabel="distance to the goal [mm]", ylim=(1e-3, 2e3),
+                title="median, and pale the 95th percentile; dotted 5 mm")  # fmt: skip
+    axes[1].axvline(1, color="black", linewidth=0.8, linestyle=":")
+    axes[1].set(xlabel="worst distance in the last second [mm]", ylabel="share of the goals [%]",
+                title="where it ends; dotted 1 mm")  # fmt: skip
+    for axis in axes:
+        axis.legend(fontsize=8)
+    figure.suptitle("Two of five joints broken, goals all over the reachable area")
+    return save(figure, file)

@@ -1,0 +1,30 @@
+"""The studies there are, by name; each is a module of its own."""
+
+from importlib import import_module
+from typing import Any
+
+from studies.study import Study, StudyError
+
+STUDIES = {
+    "unfold": "studies.unfolding:Unfold",
+    "fold": "studies.unfolding:Fold",
+    "broken-joints": "studies.broken_joints:BrokenJoints",
+    "wild-joint": "studies.wild_joint:WildJoint",
+    "no-model": "studies.no_model:NoModel",
+    "encoder-faults": "studies.encoder_faults:EncoderFaults",
+    "platform-path": "studies.platform_path:PlatformPath",
+    "paper-faults": "studies.paper_faults:PaperFaults",
+    "fault-map": "studies.fault_map:FaultMap",
+    "told-nothing": "studies.told_nothing:ToldNothing",
+    "directions": "studies.directions:Directions",
+}
+"""`module:Class` of each, in the order of the paper."""
+
+
+def study(name: str) -> Study[Any]:
+    """Return the study of that name; `StudyError` names the ones there are."""
+    if name not in STUDIES:
+        raise StudyError(f"there is no study {name!r}; valid are {', '.join(STUDIES)}, all")
+    module, _, kind = STUDIES[name].partition(":")
+    made: Study[Any] = getattr(import_module(module), kind)()
+    return made

@@ -1,0 +1,126 @@
+"""Do the paper's figures and tables again, hold them against their bars, and write them down."""
+
+import argparse
+import sys
+import time
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
+from rich.table import Table
+
+from studies.registry import STUDIES, study
+from studies.report import Report, cells, page, write
+from studies.study import StudyError, Watch
+
+PATIENCE = 2.0
+"""Time without a word after which a progress bar appears [s]."""
+MISSED = 3
+"""Exit code when a bar was missed."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the study's name and where to write."""
+    parser.add_argument("name", help=f"which: {', '.join(STUDIES)}, or all")
+    parser.add_argument(
+        "--out", type=Path, default=Path("studies-out"), help="folder to write to (studies-out)"
+    )
+    parser.add_argument(
+        "--size", type=float, default=1.0, help="share of the trials, for a quick look (1)"
+    )
+    parser.add_argument(
+        "--no-pictures", action="store_true", help="tables only; needs no matplotlib"
+    )
+
+
+def run(args: argparse.Namespace) -> int:
+    """Run one study or all, print their tables, and return 3 when a bar was missed."""
+    if not 0 < args.size <= 1:
+        raise StudyError(f"--size {args.size:g}: must be above 0 and at most 1")
+    names = list(STUDIES) if args.name == "all" else [args.name]
+    for name in names:
+        study(name)  # so that a wrong name is told before anything is run
+    if not args.no_pictures:
+        _check_plots()
+    try:
+        args.out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise StudyError(f"--out {args.out}: {error.strerror or error}") from error
+    reports = [one(name, args.out, args.size, pictures=not args.no_pictures) for name in names]
+    if args.name == "all":
+        (args.out / "index.html").write_text(page(reports), encoding="utf-8")
+        print(f"all of it: {args.out / 'index.html'}")
+    return 0 if all(report.found.held for report in reports) else MISSED
+
+
+def one(name: str, folder: Path, size: float, *, pictures: bool = True) -> Report:
+    """Run a study, write what it found into `folder`, print its table, and return its report."""
+    chosen = study(name)
+    begun = time.perf_counter()
+    with _Bar(name) as bar:
+        found = chosen.measure(size, Watch(bar.show))
+        took = time.perf_counter() - begun
+        drawn: tuple[Path, ...] = ()
+        if pictures:
+            bar.show("drawing", 1.0)
+            drawn = chosen.draw(found, folder)
+    report = Report(name, chosen.title, found, drawn, took, size)
+    write(report, folder)
+    _print(report, folder)
+    return report
+
+
+def _check_plots() -> None:
+    try:
+        import matplotlib  # noqa: F401  # only whether it is there
+    except ModuleNotFoundError:
+        raise StudyError(
+            "pictures need matplotlib: pip install 'msma[plots]', or give --no-pictures"
+        ) from None
+
+
+def _print(report: Report, folder: Path) -> None:
+    console = Console()
+    if not console.is_terminal:
+        console = Console(width=160)
+    head, *body = cells(report.found.rows)
+    table = Table(*head, title=f"{report.name}: {report.title}", title_justify="left")
+    for row in body:
+        table.add_row(*row, style="bold" if row[3] == "MISSED" else None)
+    console.print(table)
+    files = ", ".join(picture.name for picture in report.pictures)
+    console.print(f"{report.summary}; in {folder}: {report.name}.md, {report.name}.json, {files}")
+
+
+class _Bar:
+    """A progress bar on a terminal, once a study has taken longer than `PATIENCE`."""
+
+    def __init__(self, name: str) -> None:
+        self._begun = time.perf_counter()
+        self._name = name
+        self._task: TaskID | None = None
+        self._progress = Progress(
+            TextColumn("{task.description}"),
+            BarColumn(),
+            TextColumn("{task.percentage:3.0f} %"),
+            TimeElapsedColumn(),
+            console=Console(stderr=True),
+            transient=True,
+            disable=not sys.stderr.isatty(),
+        )
+
+    def __enter__(self) -> "_Bar":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._task is not None:
+            self._progress.stop()
+
+    def show(self, what: str, done: float) -> None:
+        text = f"{self._name}: {what}"
+        if self._task is None:
+            if time.perf_counter() - self._begun < PATIENCE:
+                return
+            self._progress.start()
+            self._task = self._progress.add_task(text, total=1.0)
+        self._progress.update(self._task, description=text, completed=done)
