@@ -1,8 +1,11 @@
 """What an agent learns while it acts: how eager to be, and how fast what it sees moves."""
 
+from typing import cast
+
 import numpy as np
 
 from agents.agent import Array
+from agents.arithmetic import greater, lesser, where
 
 
 class EagerGain:
@@ -22,20 +25,18 @@ class EagerGain:
     def __init__(self, start: float, most: float) -> None:
         """Begin at `start`, never above `most`, never under a quarter of `start`."""
         self._least, self._most = start / 4, most
-        self._gain: Array = np.array(start)
+        self._gain = cast("Array", start)
         self._wanted: Array | None = None
 
     def after(self, wanted: Array) -> Array:
         """Return the gain for this correction `wanted` (...), in any unit."""
         before, self._wanted = self._wanted, wanted
-        if before is not None and before.shape == np.shape(wanted):
-            product = wanted * before
-            left = np.abs(wanted)
-            share = np.abs(before)
+        if before is not None and np.shape(before) == np.shape(wanted):
+            product, left, share = wanted * before, abs(wanted), abs(before)
             overshot = (product < 0) & (left > self.OVERSHOT * share)
             slow = (product > 0) & (left > self.SLOW * share)
-            factor = np.where(overshot, self.CUT, np.where(slow, self.GROWTH, 1.0))
-            self._gain = np.minimum(np.maximum(self._gain * factor, self._least), self._most)
+            factor = where(overshot, self.CUT, where(slow, self.GROWTH, 1.0))
+            self._gain = lesser(greater(self._gain * factor, self._least), self._most)
         return self._gain
 
 

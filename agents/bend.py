@@ -1,8 +1,10 @@
 """An elbow that stays bent."""
 
-import numpy as np
+from math import inf
+from typing import cast
 
 from agents.agent import Array
+from agents.arithmetic import greater, lesser, where
 
 
 class Bend:
@@ -24,25 +26,23 @@ class Bend:
     def __init__(self, least: float) -> None:
         """Keep at least that angle off straight [rad]; 0 keeps nothing."""
         self._least = least
-        self._best: Array = np.array(np.inf)
-        self._since: Array = np.array(0.0)
+        self._best = cast("Array", inf)
+        self._since = cast("Array", 0.0)
 
-    def limited(self, t: float, angle: Array, velocity: Array, missing: Array) -> Array:
+    def limited(self, t: float, angle: Array, velocity: Array, distance: Array) -> Array:
         """Return the velocity (...) [rad/s] that stops the joint in time, if it is to.
 
-        t: plant time [s]; angle: (...) of the joint [rad]; missing: (..., 3) way to the goal [m].
+        t: plant time [s]; angle: (...) of the joint [rad]; distance: (...) of hand and goal [m].
         """
         if self._least == 0:
             return velocity
-        distance = np.sqrt((missing * missing).sum(axis=-1))
         nearer = distance < self.NEARER * self._best
         anew = (distance > self.ANEW * self.FAR) & (self._best < self.FAR)
-        self._since = np.where(nearer | anew, t, self._since)
-        self._best = np.where(nearer | anew, distance, self._best)
-        share = (distance - self.NEAR) / (self.FAR - self.NEAR)
-        patience = self.PATIENCE * np.minimum(np.maximum(share, 0.0), 1.0) ** 2
-        side = np.where(angle < 0, -1.0, 1.0)
-        room = np.maximum(side * angle - self._least, 0.0)
-        holds = t - self._since < patience
-        kept = side * np.maximum(side * velocity, -room / self.STOPPING)
-        return np.where(holds, kept, velocity)
+        self._since = where(nearer | anew, t, self._since)
+        self._best = where(nearer | anew, distance, self._best)
+        share = greater((distance - self.NEAR) / (self.FAR - self.NEAR), 0.0)
+        patience = self.PATIENCE * lesser(share, 1.0) ** 2
+        side = where(angle < 0, -1.0, 1.0)
+        room = greater(side * angle - self._least, 0.0)
+        kept = side * greater(side * velocity, -room / self.STOPPING)
+        return where(t - self._since < patience, kept, velocity)

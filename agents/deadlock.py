@@ -1,9 +1,10 @@
 """Deadlocks between platform and arm, and how the platform leaves them."""
 
-import numpy as np
-import numpy.typing as npt
+from math import inf
+from typing import cast
 
 from agents.agent import Array
+from agents.arithmetic import Mask, where
 
 
 class Deadlock:
@@ -25,31 +26,25 @@ class Deadlock:
     def __init__(self) -> None:
         """Begin without one."""
         self._best: Array | None = None
-        self._since: Array = np.array(0.0)
-        self._until: Array = np.array(-np.inf)
+        self._since = cast("Array", 0.0)
+        self._until = cast("Array", -inf)
 
-    def waiting(
-        self, t: float, missing: Array, angular: Array, swing: Array
-    ) -> npt.NDArray[np.bool_]:
+    def waiting(self, t: float, distance: Array, angular: Array, swing: Array) -> Mask:
         """Return where (...) the platform should wait now.
 
-        t: plant time [s]; missing: (..., 3) way from hand to goal [m]; angular: (...) [rad/s] of
+        t: plant time [s]; distance: (...) from the hand to the goal [m]; angular: (...) [rad/s] of
         the platform; swing: (...) [rad/s] with which the hand goes round it
         """
-        distance = np.sqrt((missing * missing).sum(axis=-1))
-        if self._best is None or self._best.shape != distance.shape:
-            self._best = distance
-            self._since = np.full_like(distance, t)
-            self._until = np.full_like(distance, -np.inf)
+        if self._best is None:
+            self._best, self._since = distance, distance * 0 + t
         nearer = (distance < self.PROGRESS * self._best) | (distance < self.NEAR)
-        speed = np.abs(angular)
-        against = (speed > self.TURNING) & (np.abs(swing) < self.CANCELLED * speed)
-        fresh = nearer | ~against & (t >= self._until)
-        self._best = np.where(fresh, distance, self._best)
-        self._since = np.where(fresh, t, self._since)
+        speed = abs(angular)
+        against = (speed > self.TURNING) & (abs(swing) < self.CANCELLED * speed)
+        fresh = nearer | (t >= where(against, inf, self._until))
+        self._best = where(fresh, distance, self._best)
+        self._since = where(fresh, t, self._since)
         stuck = (t - self._since > self.NOTICE) & (t >= self._until)
-        self._until = np.where(stuck, t + self.CYCLE, self._until)
-        self._since = np.where(stuck, t + self.CYCLE, self._since)
-        self._best = np.where(stuck, distance, self._best)
-        waiting: npt.NDArray[np.bool_] = t < self._until
-        return waiting
+        self._until = where(stuck, t + self.CYCLE, self._until)
+        self._since = where(stuck, t + self.CYCLE, self._since)
+        self._best = where(stuck, distance, self._best)
+        return t < self._until

@@ -1,10 +1,11 @@
 """The agents of the arm's joints."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, cast
 
 import numpy as np
 
 from agents.agent import Agent, AgentError, Array, Body, Joints, Percepts
+from agents.arithmetic import plain, within
 from agents.by_eye import LineByEye
 from agents.laws import Law, LineByModel, Own, StepByEye, StepByModel
 from agents.sight import Perception, Sight
@@ -70,24 +71,24 @@ class JointAgent(Agent):
         if view is None or percepts.goal is None:
             self.perception = "none"
             return None
-        everywhere = bool(view.modelled.all())
-        self.perception = "blackboard" if everywhere else "localiser"
+        self.perception = "blackboard" if view.certain else "localiser"
         t, goal = percepts.t, percepts.goal
         own = None if percepts.joints is None else self._own(percepts.joints)
-        if everywhere:
+        if view.certain:
             velocity = self._by_model.velocity(t, view, own, goal)
             if self._may_fail:
                 self._by_eye.listen(t, view, self._joint, velocity)
         else:
             velocity = self._by_eye.velocity(t, view, own, goal)
-            if view.modelled.any():
+            if np.any(view.modelled):
                 by_model = self._by_model.velocity(t, view, own, goal)
                 velocity = np.where(view.modelled, by_model, velocity)
-        limited: Array = np.minimum(np.maximum(velocity, -self._top_speed), self._top_speed)
-        return limited
+        return within(velocity, self._top_speed)
 
     def _own(self, joints: Joints) -> Own:
-        return Own(joints.position[..., self._joint], joints.velocity[..., self._joint])
+        return Own(
+            plain(joints.position[..., self._joint]), plain(joints.velocity[..., self._joint])
+        )
 
 
 class HoldAgent(Agent):
@@ -108,7 +109,7 @@ class HoldAgent(Agent):
         if not rate > 0:
             raise AgentError(f"rate: {rate:g} must be positive")
         self._joint = joint_of(body)
-        self._angle: Array | None = None if angle is None else np.array(angle)
+        self._angle: Array | None = None if angle is None else cast("Array", angle)
         self._rate = min(rate, 1 / body.period)
 
     def decide(self, percepts: Percepts) -> Array | None:
@@ -116,15 +117,14 @@ class HoldAgent(Agent):
         if percepts.joints is None:
             self.perception = "none"
             return None
-        seen = percepts.joints.position[..., self._joint]
-        if np.isnan(seen).any():
+        seen = plain(percepts.joints.position[..., self._joint])
+        if np.any(seen != seen):  # not a number
             self.perception = "none"
             return None
         self.perception = "blackboard"
         if self._angle is None:
             self._angle = seen
-        velocity: Array = self._rate * (self._angle - seen)
-        return velocity
+        return self._rate * (self._angle - seen)
 
 
 def joint_of(body: Body) -> int:

@@ -7,6 +7,7 @@ import numpy as np
 
 from agents.adaptation import EagerGain, SeenVelocity
 from agents.agent import Array, Body, Goal
+from agents.arithmetic import sqrt, squared_length, where
 from agents.bend import Bend
 from agents.sight import View
 from agents.stops import Stops
@@ -77,8 +78,9 @@ class LineByModel(Law):
         )
         turn = self._stops.turn(t, own.angle, turn)
         velocity = own.speed * self._kept + self._gain.after(turn) * turn / self._horizon
-        bent = self._bend.limited(t, own.angle, velocity, goal.at(t) - hand)
-        return np.where(np.abs(turn) > np.pi, velocity, bent)  # the long way leads past straight
+        distance = sqrt(squared_length(goal.at(t) - hand))
+        bent = self._bend.limited(t, own.angle, velocity, distance)
+        return where(abs(turn) > np.pi, velocity, bent)  # the long way leads past straight
 
 
 class StepByModel(Law):

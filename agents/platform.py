@@ -6,36 +6,51 @@ import numpy as np
 
 from agents.adaptation import EagerGain, SeenVelocity
 from agents.agent import Agent, AgentError, Array, Body, Goal, Percepts
+from agents.arithmetic import (
+    Mask,
+    arctan2,
+    cos,
+    greater,
+    joined,
+    lesser,
+    parts,
+    sin,
+    sqrt,
+    where,
+    within,
+)
 from agents.deadlock import Deadlock
 from agents.sight import Perception, Sight
-from agents.turning import best_turn, wrapped
+from agents.turning import wrapped
 from plant.kinematics import Kinematics
 from plant.robot import Drive
 
-UP = np.array([0.0, 0.0, 1.0])
+Parts = tuple[Array, Array, Array]
 
 
 class Scene(NamedTuple):
-    """What the platform sees at one moment, in the world.
+    """What the platform sees at one moment; each is (...), or x, y and z of that, in the world.
 
-    hand, missing: (..., 3) [m], where the hand is and the way from it to the goal
-    going: (..., 3) [m/s], the velocity of the goal
-    place: (..., 3) [m] of the platform, on the floor; heading: (...) [rad]; ahead: its direction
-    linear, angular: (...) [m/s], [rad/s], its own speeds
-    drift: (..., 3) [m/s], the velocity of the hand
-    carried: (...) [m], how far ahead of its axle the platform carries the hand
+    hand, drift: where the hand is, as seen from the axle on the floor [m], and how it moves [m/s]
+    missing: the way from the hand to the goal [m]
+    going: how the goal moves [m/s]
+    heading, ahead: where the platform faces [rad], and x and y of that direction
+    linear, angular: its own speeds [m/s], [rad/s]
+    carried: how far ahead of its axle it carries the hand [m]
+    off, speed: how far off the goal is [m], and how fast it goes [m/s], both seen from above
     """
 
-    hand: Array
-    missing: Array
-    going: Array
-    place: Array
+    hand: Parts
+    drift: Parts
+    missing: Parts
+    going: Parts
     heading: Array
-    ahead: Array
+    ahead: tuple[Array, Array]
     linear: Array
     angular: Array
-    drift: Array
     carried: Array
+    off: Array
+    speed: Array
 
 
 class PlatformAgent(Agent):
@@ -99,15 +114,16 @@ class PlatformAgent(Agent):
         self._drive = drive_of(body)
         self._sight = Sight(body, perception)
         self._horizon = max(horizon, 1.5 * body.period)
-        self._advancing = EagerGain(gain, max(gain, 0.85))
-        self._turning = EagerGain(gain, max(gain, 0.85))
-        self._root, length = _root_and_length(body)
+        self._advance_gain = EagerGain(gain, max(gain, 0.85))
+        self._turn_gain = EagerGain(gain, max(gain, 0.85))
+        root, length = _root_and_length(body)
+        self._root = root.tolist()
         self._reach = reach * length
         self._bearing = bearing
-        self._hurry, self._align = hurry, turning
+        self._hurry, self._turning = hurry, turning
         self._ease_linear = ease_linear * body.period
         self._ease_angular = ease_angular * body.period
-        self._hand_motion, self._base_motion = SeenVelocity(), SeenVelocity()
+        self._hand_motion, self._motion = SeenVelocity(), SeenVelocity()
         self._heading: Array | None = None
         self._deadlock = Deadlock()
 
@@ -120,62 +136,58 @@ class PlatformAgent(Agent):
         if view is None or percepts.goal is None or percepts.base is None:
             self.perception = "none"
             return None
-        self.perception = "blackboard" if view.modelled.all() else "localiser"
+        self.perception = "blackboard" if view.certain else "localiser"
         scene = self._scene(percepts.t, view.hand, percepts.base, percepts.goal)
-        linear, angular = self._bring_nearer(percepts.t, scene, percepts.goal)
+        linear, angular = self._bring_nearer(scene)
         lined_linear, lined_angular, top = self._line_up(scene)
         steering = _steering(scene)
-        ease_angular = self._ease_angular * (1 + 2 * BRISK * steering)
         lined_angular = lined_angular * (1 + BRISK * steering)
-        linear = linear + _within(lined_linear - scene.linear, self._ease_linear)
-        angular = angular + _within(lined_angular - scene.angular, ease_angular)
-        waiting = self._deadlock.waiting(percepts.t, scene.missing, scene.angular, _swing(scene))
-        waiting &= _far(scene) < 1
-        speeds: Array = np.stack(
-            [
-                np.minimum(np.maximum(linear, 0.0), top),
-                np.where(waiting, 0.0, _within(angular, self._drive.max_angular)),
-            ],
-            axis=-1,
-        )
-        return speeds
+        ease_angular = self._ease_angular * (1 + 2 * BRISK * steering)
+        linear = linear + within(lined_linear - scene.linear, self._ease_linear)
+        angular = angular + within(lined_angular - scene.angular, ease_angular)
+        waits = self._waits(percepts.t, scene)
+        angular = where(waits, 0.0, within(angular, self._drive.max_angular))
+        return joined(lesser(greater(linear, 0.0), top), angular)
 
     def _scene(self, t: float, hand: Array, base: Array, goal: Goal) -> Scene:
-        heading = base[..., 2]
-        if self._heading is not None and np.shape(self._heading) == np.shape(heading):
-            heading = self._heading + wrapped(heading - self._heading)
-        self._heading = heading
-        place = np.stack([base[..., 0], base[..., 1], np.zeros_like(heading)], axis=-1)
-        ahead = np.stack([np.cos(heading), np.sin(heading), np.zeros_like(heading)], axis=-1)
-        motion = self._base_motion.after(
-            t, np.concatenate([base[..., :2], heading[..., None]], axis=-1)
-        )
-        if motion is None:
-            motion = np.zeros_like(place)
-        drift = self._hand_motion.after(t, hand)
+        x, y, told = parts(base)
+        if self._heading is None or np.shape(self._heading) != np.shape(told):
+            self._heading = told
+        self._heading = heading = self._heading + wrapped(told - self._heading)
+        linear_x, linear_y, angular = parts(_velocity(self._motion, t, joined(x, y, heading)))
+        hand_x, hand_y, hand_z = parts(hand)
+        missing, going = parts(goal.at(t) - hand), parts(goal.velocity_at(t))
+        ahead = cos(heading), sin(heading)
         return Scene(
-            hand=hand,
-            missing=goal.at(t) - hand,
-            going=goal.velocity_at(t),
-            place=place,
+            hand=(hand_x - x, hand_y - y, hand_z),
+            drift=parts(_velocity(self._hand_motion, t, hand)),
+            missing=missing,
+            going=going,
             heading=heading,
             ahead=ahead,
-            linear=(motion[..., :2] * ahead[..., :2]).sum(axis=-1),
-            angular=motion[..., 2],
-            drift=np.zeros_like(hand) if drift is None else drift,
-            carried=((hand - place) * ahead).sum(axis=-1),
+            linear=linear_x * ahead[0] + linear_y * ahead[1],
+            angular=angular,
+            carried=(hand_x - x) * ahead[0] + (hand_y - y) * ahead[1],
+            off=_level(missing),
+            speed=_level(going),
         )
 
-    def _bring_nearer(self, t: float, scene: Scene, goal: Goal) -> tuple[Array, Array]:
-        """Return the speeds that serve the hand: its own, corrected (section 3.1)."""
-        hand = scene.hand + scene.drift * self._horizon
-        place = goal.ahead(t, self._horizon)
-        advance = ((place - hand) * scene.ahead).sum(axis=-1)
-        turn = best_turn(hand, place, scene.place, UP)
+    def _bring_nearer(self, scene: Scene) -> tuple[Array, Array]:
+        """Return the speeds that serve the hand: its own, corrected (section 3.1).
+
+        Both corrections are a share of what would bring the hand closest to the goal at the end
+        of the horizon, if all else went on as it is: by driving ahead, by turning about the axle.
+        """
+        hand_x = scene.hand[0] + scene.drift[0] * self._horizon
+        hand_y = scene.hand[1] + scene.drift[1] * self._horizon
+        goal_x = scene.hand[0] + scene.missing[0] + scene.going[0] * self._horizon
+        goal_y = scene.hand[1] + scene.missing[1] + scene.going[1] * self._horizon
+        advance = (goal_x - hand_x) * scene.ahead[0] + (goal_y - hand_y) * scene.ahead[1]
+        turn = arctan2(hand_x * goal_y - hand_y * goal_x, hand_x * goal_x + hand_y * goal_y)
+        turn_gain = (1 - _steering(scene)) * self._turn_gain.after(turn)
         return (
-            scene.linear + self._advancing.after(advance) * advance / self._horizon,
-            scene.angular
-            + (1 - _steering(scene)) * self._turning.after(turn) * turn / self._horizon,
+            scene.linear + self._advance_gain.after(advance) * advance / self._horizon,
+            scene.angular + turn_gain * turn / self._horizon,
         )
 
     def _line_up(self, scene: Scene) -> tuple[Array, Array, Array]:
@@ -183,35 +195,41 @@ class PlatformAgent(Agent):
 
         The top speed is less the more it heads past a goal that is far: it turns first.
         """
-        arm = scene.hand - self._root_in_world(scene)
-        level = _level(arm)
-        off_reach = np.sqrt(level * level + arm[..., 2] * arm[..., 2]) - self._reach
-        speed = _level(scene.going)
+        ahead_x, ahead_y = scene.ahead
+        root_x, root_y, root_z = self._root
+        arm_x = scene.hand[0] - (ahead_x * root_x - ahead_y * root_y)
+        arm_y = scene.hand[1] - (ahead_y * root_x + ahead_x * root_y)
+        arm_z = scene.hand[2] - root_z
+        level = sqrt(arm_x * arm_x + arm_y * arm_y)
+        off_reach = sqrt(level * level + arm_z * arm_z) - self._reach
         # where to go, seen from above [m]: along the hand's travel as far as a steering platform
         # must look ahead, to what is missing, and to where the arm has a comfortable reach
-        lead = np.maximum(LEAD, -1.5 * scene.carried) / np.maximum(speed, COURSE_SPEED)
-        missing = scene.missing[..., :2]
-        ease = np.maximum(_within(off_reach, LEAD), 0.0) / np.maximum(level, NEAR_ROOT)
-        way = lead[..., None] * scene.going[..., :2] + missing + ease[..., None] * arm[..., :2]
-        course = np.arctan2(way[..., 1], way[..., 0]) - scene.heading
-        bearing = np.arctan2(arm[..., 1], arm[..., 0]) - scene.heading - self._bearing
-        weight = np.minimum(_level(way) / LEAD, 1.0)
+        lead = greater(-1.5 * scene.carried, LEAD) / greater(scene.speed, COURSE_SPEED)
+        ease = lesser(greater(off_reach, 0.0), LEAD) / greater(level, NEAR_ROOT)
+        way_x = lead * scene.going[0] + scene.missing[0] + ease * arm_x
+        way_y = lead * scene.going[1] + scene.missing[1] + ease * arm_y
+        weight = lesser(sqrt(way_x * way_x + way_y * way_y) / LEAD, 1.0)
+        course = arctan2(way_y, way_x) - scene.heading
+        bearing = arctan2(arm_y, arm_x) - scene.heading - self._bearing
         arms = ARM_WEIGHT * _in_front(scene)
-        turn = np.arctan2(
-            weight * np.sin(course) + arms * np.sin(bearing),
-            weight * np.cos(course) + arms * np.cos(bearing),
+        turn = arctan2(
+            weight * sin(course) + arms * sin(bearing), weight * cos(course) + arms * cos(bearing)
         )
-        linear = speed * weight * np.cos(course) + self._hurry * off_reach * np.cos(bearing)
-        facing = np.minimum(np.maximum(np.cos(course), 0.0) + 1 - _far(scene), 1.0)
+        linear = scene.speed * weight * cos(course) + self._hurry * off_reach * cos(bearing)
+        facing = lesser(greater(cos(course), 0.0) + 1 - _far(scene), 1.0)
         top = self._drive.max_linear * facing
-        return np.minimum(np.maximum(linear, 0.0), top), self._align * turn, top
+        return lesser(greater(linear, 0.0), top), self._turning * turn, top
 
-    def _root_in_world(self, scene: Scene) -> Array:
-        along, across = scene.ahead[..., 0], scene.ahead[..., 1]
-        x, y, z = self._root
-        offset = [along * x - across * y, across * x + along * y, np.full_like(along, z)]
-        root: Array = scene.place + np.stack(offset, axis=-1)
-        return root
+    def _waits(self, t: float, scene: Scene) -> Mask:
+        """Return where (...) it is to stop turning, so that the arm goes first."""
+        hand_x, hand_y, _ = scene.hand
+        drift_x = scene.drift[0] - scene.linear * scene.ahead[0]
+        drift_y = scene.drift[1] - scene.linear * scene.ahead[1]
+        round_it = hand_x * drift_y - hand_y * drift_x
+        swing = round_it / greater(hand_x * hand_x + hand_y * hand_y, NEAR_ROOT**2)
+        distance = sqrt(scene.off * scene.off + scene.missing[2] * scene.missing[2])
+        waits = self._deadlock.waiting(t, distance, scene.angular, swing)
+        return waits & (scene.off < FAR)
 
 
 LEAD = 0.15  # [m] how far along the hand's travel a steering platform looks, at the least
@@ -225,14 +243,12 @@ BRISK = 9.0  # times as briskly does it line up where turning does not serve the
 
 def _in_front(scene: Scene) -> Array:
     """Return how far (...), 0 to 1, the platform carries the hand in front of it."""
-    share: Array = np.minimum(np.maximum(scene.carried / FRONT, 0.0), 1.0)
-    return share
+    return lesser(greater(scene.carried / FRONT, 0.0), 1.0)
 
 
 def _far(scene: Scene) -> Array:
     """Return how far off (...), 0 to 1, the goal is: more than the arm alone is to make up for."""
-    share: Array = np.minimum(_level(scene.missing) / FAR, 1.0)
-    return share
+    return lesser(scene.off / FAR, 1.0)
 
 
 def _steering(scene: Scene) -> Array:
@@ -241,29 +257,18 @@ def _steering(scene: Scene) -> Array:
     It does so when the goal is far, and when it leads on a hand that is carried beside or behind
     the axle: that goes the wrong way first when the platform turns, as a trailer does.
     """
-    leads_on = np.minimum(_level(scene.going) / COURSE_SPEED, 1.0)
-    share: Array = np.maximum((1 - _in_front(scene)) * leads_on, _far(scene))
-    return share
+    leads_on = lesser(scene.speed / COURSE_SPEED, 1.0)
+    return greater((1 - _in_front(scene)) * leads_on, _far(scene))
 
 
-def _level(vector: Array) -> Array:
-    """Return the length (...) of a vector (..., 3) seen from above."""
-    length: Array = np.sqrt((vector[..., :2] * vector[..., :2]).sum(axis=-1))
-    return length
+def _level(vector: Parts) -> Array:
+    """Return the length (...) seen from above."""
+    return sqrt(vector[0] * vector[0] + vector[1] * vector[1])
 
 
-def _swing(scene: Scene) -> Array:
-    """Return how fast (...) [rad/s] the hand goes round the platform, seen from above."""
-    away = (scene.hand - scene.place)[..., :2]
-    drift = scene.drift[..., :2] - scene.linear[..., None] * scene.ahead[..., :2]
-    across = away[..., 0] * drift[..., 1] - away[..., 1] * drift[..., 0]
-    swing: Array = across / np.maximum((away * away).sum(axis=-1), NEAR_ROOT**2)
-    return swing
-
-
-def _within(value: Array, bound: Array | float) -> Array:
-    limited: Array = np.minimum(np.maximum(value, -bound), bound)
-    return limited
+def _velocity(seen: SeenVelocity, t: float, place: Array) -> Array:
+    velocity = seen.after(t, place)
+    return np.zeros_like(place) if velocity is None else velocity
 
 
 def drive_of(body: Body) -> Drive:

@@ -1,11 +1,12 @@
 """How an agent sees the hand: by the blackboard and a model, or by an external eye."""
 
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, cast
 
 import numpy as np
 import numpy.typing as npt
 
 from agents.agent import Array, Body, Percepts
+from agents.arithmetic import sqrt, squared_length
 from plant.kinematics import ArmPose, Kinematics
 
 Perception = Literal["auto", "blackboard", "localiser"]
@@ -16,12 +17,17 @@ class View(NamedTuple):
 
     hand: (..., 3) [m] in the world
     arm: the whole arm by the model, or None where only the hand is seen
-    modelled: (...) where the arm by the model is to be believed
+    modelled: (...) where the arm by the model is to be believed, or one answer for all
     """
 
     hand: Array
     arm: ArmPose | None
-    modelled: npt.NDArray[np.bool_]
+    modelled: npt.NDArray[np.bool_] | bool
+
+    @property
+    def certain(self) -> bool:
+        """Whether the model is to be believed everywhere."""
+        return self.modelled if isinstance(self.modelled, bool) else bool(self.modelled.all())
 
 
 class Sight:
@@ -42,7 +48,7 @@ class Sight:
         self._kinematics = Kinematics(body.robot)
         self._mobile = body.robot.drive is not None
         self._difference: Array = np.zeros(3)
-        self._spread: Array = np.array(0.0)
+        self._spread = cast("Array", 0.0)
         self._t: float | None = None
 
     def see(self, percepts: Percepts) -> View | None:
@@ -50,10 +56,12 @@ class Sight:
         arm = None if self._perception == "localiser" else self._by_model(percepts)
         hand = None if self._perception == "blackboard" else percepts.hand
         if arm is None:
-            return None if hand is None else View(hand, None, np.zeros(hand.shape[:-1], bool))
+            return None if hand is None else View(hand, None, False)
         if hand is None:
-            return View(arm.tip, arm, np.ones(arm.tip.shape[:-1], bool))
+            return View(arm.tip, arm, True)
         modelled = self._agree(percepts.t, arm.tip, hand)
+        if isinstance(modelled, bool):
+            return View(arm.tip if modelled else hand, arm, modelled)
         return View(np.where(modelled[..., None], arm.tip, hand), arm, modelled)
 
     def _by_model(self, percepts: Percepts) -> ArmPose | None:
@@ -62,13 +70,12 @@ class Sight:
             return None
         return self._kinematics.forward(joints.position, base if self._mobile else None)
 
-    def _agree(self, t: float, by_model: Array, by_eye: Array) -> npt.NDArray[np.bool_]:
+    def _agree(self, t: float, by_model: Array, by_eye: Array) -> npt.NDArray[np.bool_] | bool:
         elapsed = 0.0 if self._t is None else min(max(t - self._t, 0.0), self.LASTING)
         self._t = t
         share = elapsed / self.LASTING
         surprise = by_eye - by_model - self._difference
         self._difference = self._difference + share * surprise
-        self._spread = (1 - share) * (self._spread + share * (surprise * surprise).sum(axis=-1))
-        chance = self.SPREADS * np.sqrt(self._spread * share / (2 - share))
-        apart: Array = np.sqrt((self._difference * self._difference).sum(axis=-1))
-        return apart < self.SAME + chance
+        self._spread = (1 - share) * (self._spread + share * squared_length(surprise))
+        chance = self.SPREADS * sqrt(self._spread * share / (2 - share))
+        return sqrt(squared_length(self._difference)) < self.SAME + chance

@@ -1,8 +1,11 @@
 """The stops of a joint: what to do when the best turn lies beyond one."""
 
+from typing import cast
+
 import numpy as np
 
 from agents.agent import Array
+from agents.arithmetic import greater, lesser, where
 
 
 class Stops:
@@ -23,8 +26,8 @@ class Stops:
         """Know the range [rad]; infinite for a joint that turns for ever."""
         self._lower, self._upper = lower, upper
         self._endless = not np.isfinite(upper - lower)
-        self._since: Array = np.array(np.inf)
-        self._way: Array = np.array(0.0)
+        self._since = cast("Array", np.inf)
+        self._way = cast("Array", 0.0)
 
     def turn(self, t: float, angle: Array, best: Array) -> Array:
         """Return the turn (...) [rad] to make from `angle`, where `best` would be the best.
@@ -35,19 +38,16 @@ class Stops:
         """
         if self._endless:
             return best
-        beyond = np.where(
-            best > 0, best - (self._upper - angle), -best - (angle - self._lower)
-        )  # [rad] of the best turn that its stop keeps it from
-        pressing = (beyond > self.IN_VAIN) & (np.abs(best) - beyond < self.AT)
-        self._since = np.where(pressing, np.minimum(self._since, t), np.inf)
-        there = 2 * np.pi - np.abs(best) - (self._upper - self._lower)
-        vain = np.maximum(t - self._since - self.NOTICE, 0.0)
-        leaves = pressing & (vain > 0) & (np.maximum(there, 0.0) < beyond + self.URGE * vain)
-        goes = np.where(leaves, -np.sign(best), self._way)
-        arrived = (goes * best >= 0) & ~leaves
-        at_other_end = (goes > 0) & (angle > self._upper - self.AT) | (goes < 0) & (
-            angle < self._lower + self.AT
-        )
-        self._way = np.where(arrived | at_other_end, 0.0, goes)
-        long_way = (self._way * best < 0) | leaves
-        return np.where(long_way, best + self._way * 2 * np.pi, best)
+        room = where(best > 0, self._upper - angle, angle - self._lower)
+        size = abs(best)
+        beyond = size - room  # [rad] of the best turn that its stop keeps it from
+        pressing = (beyond > self.IN_VAIN) & (room < self.AT)
+        self._since = where(pressing, lesser(self._since, t), np.inf)
+        vain = greater(t - self._since - self.NOTICE, 0.0)
+        there = greater(2 * np.pi - size - (self._upper - self._lower), 0.0)
+        leaves = pressing & (vain > 0) & (there < beyond + self.URGE * vain)
+        way = where(leaves, where(best > 0, -1.0, 1.0), self._way)
+        end_of_way = where(way > 0, self._upper - angle, angle - self._lower)
+        on_the_long_way = (way * best < 0) & (end_of_way > self.AT)
+        self._way = where(on_the_long_way, way, 0.0)
+        return best + self._way * 2 * np.pi

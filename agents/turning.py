@@ -3,6 +3,7 @@
 import numpy as np
 
 from agents.agent import Array
+from agents.arithmetic import arctan2, cos, parts, sin
 
 
 def best_turn(tip: Array, goal: Array, point: Array, axis: Array) -> Array:
@@ -14,14 +15,13 @@ def best_turn(tip: Array, goal: Array, point: Array, axis: Array) -> Array:
 
     tip, goal, point, axis: (..., 3) [m], one frame. Returns (...) [rad], within -pi to pi.
     """
-    rx, ry, rz = _parts(tip - point)
-    sx, sy, sz = _parts(goal - point)
-    ax, ay, az = _parts(axis)
+    rx, ry, rz = parts(tip - point)
+    sx, sy, sz = parts(goal - point)
+    ax, ay, az = parts(axis)
     turning = ax * (ry * sz - rz * sy) + ay * (rz * sx - rx * sz) + az * (rx * sy - ry * sx)
     along_r = ax * rx + ay * ry + az * rz
     along_s = ax * sx + ay * sy + az * sz
-    angle: Array = np.arctan2(turning, rx * sx + ry * sy + rz * sz - along_r * along_s)
-    return angle
+    return arctan2(turning, rx * sx + ry * sy + rz * sz - along_r * along_s)
 
 
 def turned(tip: Array, point: Array, axis: Array, angle: float) -> Array:
@@ -39,9 +39,4 @@ def turned(tip: Array, point: Array, axis: Array, angle: float) -> Array:
 
 def wrapped(angle: Array) -> Array:
     """Return the same direction within -pi to pi: (...) [rad]."""
-    turned: Array = np.arctan2(np.sin(angle), np.cos(angle))
-    return turned
-
-
-def _parts(vector: Array) -> tuple[Array, Array, Array]:
-    return vector[..., 0], vector[..., 1], vector[..., 2]
+    return arctan2(sin(angle), cos(angle))

@@ -96,8 +96,7 @@ def wait_times(distances, angular, swing=0.0, period=0.1):
     deadlock = Deadlock()
     times = []
     for tick, distance in enumerate(distances):
-        missing = np.array([distance, 0.0, 0.0])
-        if deadlock.waiting(tick * period, missing, np.array(angular), np.array(swing)):
+        if deadlock.waiting(tick * period, distance, angular, swing):
             times.append(tick * period)
     return times
 

@@ -14,7 +14,7 @@ LOWER, UPPER = np.deg2rad([-60.0, 150.0])
 def press(stops, angle, best, seconds, period=0.06):
     turn = best
     for tick in range(round(seconds / period) + 1):
-        turn = stops.turn(tick * period, np.array(angle), np.array(best))
+        turn = stops.turn(tick * period, angle, best)
     return float(turn)
 
 
@@ -54,8 +54,7 @@ def test_a_joint_that_turns_for_ever_has_no_stops():
 def bent(distances, angle=-0.5, velocity=0.8, least=0.5, period=0.06):
     bend = Bend(least)
     for tick, distance in enumerate(distances):
-        missing = np.array([distance, 0.0, 0.0])
-        allowed = bend.limited(tick * period, np.array(angle), np.array(velocity), missing)
+        allowed = bend.limited(tick * period, angle, velocity, distance)
     return float(allowed)
 
 
