@@ -1,0 +1,47 @@
+"""Histories of plant time and of a clock: what is due when."""
+
+import pytest
+
+from runtime.schedule import ALL_MEANS, FORCE, Escalation, Means, Schedule
+from runtime.specs import ChaosEvent
+
+KILL, REVIVE = ChaosEvent(at=5.0, kill="joint/2"), ChaosEvent(at=8.0, revive="joint/2")
+FAULT = ChaosEvent(at=5.0, fault="joint/1:locked")
+
+
+@pytest.mark.parametrize(
+    ("times", "due"),
+    [
+        ([0.0, 4.9], [[], []]),
+        ([4.9, 5.0, 5.1], [[], [KILL, FAULT], []]),
+        ([4.9, 20.0], [[], [KILL, FAULT, REVIVE]]),
+        ([6.0, 0.0, 6.0, 8.0], [[KILL, FAULT], [], [], [REVIVE]]),
+        ([9.0, 9.0], [[KILL, FAULT, REVIVE], []]),
+    ],
+    ids=["before", "at its time", "after a leap", "a plant started anew", "once only"],
+)
+def test_each_event_is_due_once_when_plant_time_has_come(
+    times: list[float], due: list[list[ChaosEvent]]
+) -> None:
+    schedule = Schedule([REVIVE, KILL, FAULT])
+    assert [schedule.due(t) for t in times] == due
+
+
+@pytest.mark.parametrize(
+    ("clock", "means"),
+    [
+        ([9.9], [[]]),
+        ([10.0, 10.5, 11.0, 11.9, 12.0, 99.0], [[0], [], [1], [], [2], []]),
+        ([10.0, 99.0], [[0], [1, 2]]),
+    ],
+    ids=["not yet", "one after another", "after a hang"],
+)
+def test_who_does_not_obey_is_treated_more_harshly_step_by_step(
+    clock: list[float], means: list[list[int]]
+) -> None:
+    escalation = Escalation(10.0, pause=1.0)
+    assert [escalation.due(now) for now in clock] == [[ALL_MEANS[i] for i in m] for m in means]
+
+
+def test_force_does_not_ask() -> None:
+    assert Escalation(0.0, FORCE, pause=0.0).due(0.0) == [Means.TERMINATE, Means.KILL]

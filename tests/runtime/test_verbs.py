@@ -1,0 +1,144 @@
+"""What a person does from another terminal to a robot that runs, in another folder."""
+
+import json
+import os
+import signal
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack
+
+import pytest
+
+from tests.runtime.conftest import Robot, wait_for
+from tests.runtime.test_launch import ROLES
+
+
+@pytest.fixture(scope="module")
+def running(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
+    """A robot that runs without an end; its launcher is dead."""
+    with ExitStack() as stack:
+        robot = Robot(tmp_path_factory.mktemp("verbs"), stack)
+        launcher = robot.launch("--duration", "1h")
+        robot.until(0.3)
+        launcher.kill()
+        yield robot
+
+
+def test_status_shows_every_process(running: Robot) -> None:
+    said = running.tool("status")
+    assert said.returncode == 0, said.stderr
+    first, _, *lines = said.stdout.splitlines()[: 2 + len(ROLES)]
+    assert first.startswith(f"{running.name}: ")
+    assert [line.split()[0] for line in lines] == ROLES
+    assert [int(line.split()[1]) for line in lines] == [running.pid(role) for role in ROLES]
+
+
+def test_status_is_json_for_programs(running: Robot) -> None:
+    told = json.loads(running.tool("status", "--json").stdout)
+    assert told["t"] > 0
+    assert told["error"] < 0.1
+    assert all(process["alive"] for process in told["processes"])
+
+
+def test_a_role_is_killed_and_revived_and_goes_on(running: Robot) -> None:
+    before = running.processes()
+    pid = running.pid("joint/2")
+    assert running.tool("kill", "joint/2").stdout == f"killed joint/2, process {pid}\n"
+    wait_for(lambda: pid not in running.processes(), "its end")
+    assert "joint/2: is not there" in running.tool("status").stdout
+    said = running.tool("revive", "joint/2")
+    assert said.returncode == 0, said.stderr
+    after = running.processes()
+    assert set(after) - set(before) == {running.pid("joint/2")}
+    assert set(before) - set(after) == {pid}
+    t = running.t
+    wait_for(lambda: running.t > t + 0.5, "time to pass")
+    assert running.log("plant", "tick")[-1]["age"][1] < 0.2
+
+
+def test_what_hangs_is_shown_and_can_be_killed(running: Robot) -> None:
+    pid = running.pid("joint/6")
+    os.kill(pid, signal.SIGSTOP)
+    time.sleep(0.4)  # a lease is 0.25 s
+    assert f"joint/6: hangs, process {pid}" in running.tool("status").stdout
+    assert running.tool("kill", "joint/6").returncode == 0
+    assert running.tool("revive", "joint/6").returncode == 0
+
+
+def test_reviving_what_lives_is_refused(running: Robot) -> None:
+    said = running.tool("revive", "joint/1")
+    assert (said.returncode, said.stdout) == (1, "")
+    assert "--copy" in said.stderr
+
+
+@pytest.mark.parametrize("verb", ["kill", "revive", "stop"])
+def test_there_is_no_such_role(running: Robot, verb: str) -> None:
+    said = running.tool(verb, "joint/9")
+    assert said.returncode == (2 if verb == "revive" else 1)
+    assert said.stderr.count("\n") == 1
+    assert "joint/9" in said.stderr
+
+
+def test_a_fault_is_made_and_a_wrong_one_is_explained(running: Robot) -> None:
+    assert running.tool("fault", "joint/4:weak=0.5").stdout == "joint/4:weak=0.5: ok\n"
+    wait_for(lambda: running.log("plant", "fault"), "the fault in the log")
+    said = running.tool("fault", "joint/4:sleepy")
+    assert said.returncode == 2
+    assert "locked" in said.stderr
+
+
+def test_echo_prints_decoded_messages(running: Robot) -> None:
+    said = running.tool("echo", "goal", "-n", "2")
+    messages = [json.loads(line) for line in said.stdout.splitlines()]
+    assert [message["key"] for message in messages] == ["goal", "goal"]
+    assert messages[0]["velocity"] == [0.0, -0.07, 0.02]
+    assert messages[1]["n"] > messages[0]["n"]
+
+
+def test_hz_measures_the_rate_of_each_key(running: Robot) -> None:
+    said = running.tool("hz", "arm/joint/*/cmd", "--seconds", "1.5")
+    lines = said.stdout.splitlines()
+    assert [line.split(":")[0] for line in lines] == [f"arm/joint/{n}/cmd" for n in range(1, 7)]
+    for line in lines:
+        assert 10.0 < float(line.split()[1]) < 20.0
+
+
+def test_hz_on_a_silent_key_says_so(running: Robot) -> None:
+    said = running.tool("hz", "no/such", "--seconds", "0.2")
+    assert said.returncode == 1
+    assert "nothing came on no/such" in said.stderr
+
+
+def test_doctor_sees_that_it_runs(running: Robot) -> None:
+    said = running.tool("doctor")
+    assert "runs already" in said.stdout
+    assert all(line.split()[0] in ("ok", "warn", "bad") for line in said.stdout.splitlines())
+
+
+def test_a_robot_is_found_by_its_file_too(running: Robot) -> None:
+    said = running.msma("status", "--file", str(running.run_folder / "deployment.yaml"))
+    assert said.stdout.startswith(f"{running.name}: ")
+
+
+def test_without_a_name_the_robots_here_are_found(running: Robot) -> None:
+    said = running.msma("status")  # others may run, which is then said
+    assert running.name in said.stdout + said.stderr
+
+
+def test_of_a_robot_that_does_not_run_it_is_said(robot: Robot) -> None:
+    for verb in (["status"], ["stop"], ["kill", "plant"], ["fault", "joint/1:ok"], ["hz", "goal"]):
+        said = robot.tool(*verb)
+        assert (said.returncode, said.stdout) == (1, "")
+        assert f"nothing of robot {robot.name} runs" in said.stderr
+
+
+def test_all_of_it_is_stopped(robot: Robot) -> None:
+    launcher = robot.launch()
+    robot.until(0.3)
+    assert robot.tool("stop", "joint/5").stdout == "stopped: joint/5\n"
+    said = robot.tool("stop")
+    assert said.returncode == 0, said.stderr
+    wait_for(lambda: not robot.processes(), "all to end", timeout=3.0)
+    out, _ = launcher.communicate(timeout=10)
+    assert launcher.returncode == 130
+    assert "asked to stop" in out
