@@ -130,7 +130,7 @@ class Launcher:
             }
             for ended in self._children.ended():
                 self._note_end(ended)
-            for event in self._schedule.due(self._view.t):
+            for event in self._schedule.due(min(before, self._view.t)):  # not by one wrong t
                 self._carry_out(event)
             if now >= frame:
                 frame = now + _FRAME

@@ -44,6 +44,7 @@ class _Entry:
     def __init__(self, role: str, now: float) -> None:
         self.role = role
         self.came = now
+        self.announced = False  # by a token, which no mere message can make up
         self.went: float | None = None
         self.diag: Diag | None = None
         self.heard = now
@@ -63,6 +64,7 @@ class Roster:
             return
         role, incarnation = who
         entry = self._entry(role, incarnation, now)
+        entry.announced = True
         if not there:
             entry.went = now if entry.went is None else entry.went
         elif entry.went is not None:
@@ -74,7 +76,7 @@ class Roster:
         """A process said `now` [s] how it is."""
         entry = self._entry(diag.role, diag.by, now)
         entry.diag, entry.heard = diag, now
-        if diag.role == keys.PLANT:
+        if diag.role == keys.PLANT and entry.announced:
             self._answers = diag.answers
 
     def _entry(self, role: str, incarnation: int, now: float) -> _Entry:
@@ -86,16 +88,23 @@ class Roster:
         return entry
 
     def _forget_one(self) -> None:
-        """Forget who has gone longest, or else who said nothing for longest."""
+        """Forget who was never announced, who has gone, or who said nothing for longest."""
         least = min(
             self._entries,
-            key=lambda one: (self._entries[one].went is None, self._entries[one].heard),
+            key=lambda by: (
+                self._entries[by].announced,
+                self._entries[by].went is None,
+                self._entries[by].heard,
+            ),
         )
         del self._entries[least]
 
     def rows(self, now: float) -> list[Row]:
-        """Return all who are there `now` [s], and of each role of which nobody is the last one."""
-        rows = [self._row(incarnation, now) for incarnation in list(self._entries)]
+        """Return all who are there `now` [s], and of each role of which nobody is the last one.
+
+        Who only says so, without a token, is not there.
+        """
+        rows = [self._row(by, now) for by, entry in self._entries.items() if entry.announced]
         there = {row.role for row in rows if row.alive}
         last = {row.role: row for row in rows if row.role not in there}
         shown = [row for row in rows if row.alive] + list(last.values())

@@ -60,6 +60,8 @@ class Watcher:
             diag = unpack(Diag, data)
         except MessageError:
             return  # it is shown as silent, which it is
+        if keys.diag(diag.role) != key:
+            return
         with self._lock:
             self._roster.diag(diag, time.monotonic())
             if diag.role == keys.PLANT:

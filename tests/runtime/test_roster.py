@@ -87,9 +87,11 @@ def test_a_row_has_what_the_process_said_last() -> None:
     assert (row.diag.rate, row.heard, row.refused) == (16.0, 3.0, 5)
 
 
-def test_who_says_how_it_is_before_its_token_is_seen_is_shown() -> None:
+def test_who_says_how_it_is_is_shown_once_its_token_is_seen() -> None:
     roster = Roster()
     roster.diag(diag(), 2.0)
+    assert shown(roster, 3.0) == []
+    roster.token(keys.alive(J, A), True, 3.0)
     assert shown(roster, 3.0) == [(J, A, True, 2.0)]
 
 
