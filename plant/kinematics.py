@@ -1,5 +1,6 @@
 """Where the arm is when its joints stand so: forward kinematics for one arm or for thousands."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -103,6 +104,8 @@ def quaternion(rotation: Array) -> Array:
     Each column of the symmetric matrix 4 q q^T, whose elements are sums of those of the rotation,
     is a multiple of q; the one with the largest diagonal element is the most exact.
     """
+    if rotation.ndim == 2:
+        return _quaternion_of_one(rotation)
     outer = rotation.reshape(*rotation.shape[:-2], 9) @ _OUTER + _UNIT_OUTER
     best = outer[..., ::5].argmax(axis=-1)[..., None]
     outer = outer.reshape(*rotation.shape[:-2], 4, 4)
@@ -110,6 +113,20 @@ def quaternion(rotation: Array) -> Array:
     length = np.sqrt(np.einsum("...i,...i->...", column, column))
     unit: Array = column / np.copysign(length, column[..., 3])[..., None]
     return unit
+
+
+def _quaternion_of_one(rotation: Array) -> Array:
+    """(4,), the same of one rotation (3, 3) in plain floats, in a quarter of the time."""
+    (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = rotation.tolist()
+    columns = (
+        (1.0 + xx - yy - zz, xy + yx, zx + xz, zy - yz),
+        (xy + yx, 1.0 - xx + yy - zz, yz + zy, xz - zx),
+        (zx + xz, yz + zy, 1.0 - xx - yy + zz, yx - xy),
+        (zy - yz, xz - zx, yx - xy, 1.0 + xx + yy + zz),
+    )
+    column = columns[max(range(4), key=lambda i: columns[i][i])]
+    length = math.copysign(math.hypot(*column), column[3])
+    return np.array(column) / length
 
 
 def _outer_from_rotation() -> Array:
