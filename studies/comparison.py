@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from agents.agent import Array
 from studies.drawing import COLOURS, DASHES, save, sheet
 
 if TYPE_CHECKING:
@@ -44,4 +45,24 @@ def compared(tried: Sequence["Tried"], maps: Sequence[str], file: Path) -> Path:
     axes[3].axvline(3.0, color="black", linestyle=":", linewidth=0.8)
     for axis in axes:
         axis.legend(fontsize=8)
+    return save(figure, file)
+
+
+def both_ways(
+    pairs: Sequence[tuple[str, tuple[Array, Array], tuple[Array, Array]]], file: Path
+) -> Path:
+    """Errors over time, in lockstep and through processes: a name, and times [s] and errors [m]."""
+    rows = -(-len(pairs) // 3)
+    figure, axes = sheet(11.0, 2.4 * rows, rows, 3)
+    for axis, (name, step, live) in zip(axes, pairs, strict=False):
+        for (t, error), label, colour, dash in (
+            (step, "lockstep", COLOURS[0], "-"), (live, "processes", COLOURS[3], "--"),
+        ):  # fmt: skip
+            axis.semilogy(t, np.maximum(1e3 * error, 0.01), dash, color=colour, label=label)
+        axis.axhline(3.0, color="black", linestyle=":", linewidth=0.8)
+        axis.set_title(name, fontsize=8)
+        axis.set(xlabel="time [s]", ylabel="error [mm]")
+    for axis in axes[len(pairs) :]:
+        axis.remove()
+    axes[0].legend(fontsize=8)
     return save(figure, file)

@@ -17,6 +17,7 @@ STUDIES = {
     "fault-map": "studies.fault_map:FaultMap",
     "told-nothing": "studies.told_nothing:ToldNothing",
     "directions": "studies.directions:Directions",
+    "mobile-live": "studies.mobile_live:MobileLive",
 }
 """`module:Class` of each, in the order of the paper."""
 
