@@ -10,6 +10,7 @@ from rich.progress_bar import ProgressBar
 from rich.table import Table
 from rich.text import Text
 
+from runtime.saying import say
 from runtime.table import HEADINGS, cells, distance
 from runtime.watcher import View
 
@@ -65,7 +66,7 @@ class PlainLines:
 
     def happened(self, t: float, text: str) -> None:
         """Something happened at plant time `t` [s]."""
-        print(_event(t, text), flush=True)
+        say(_event(t, text))
 
     def show(self, view: View) -> None:
         """Print it, unless the last line was printed just before."""
@@ -73,7 +74,7 @@ class PlainLines:
         if now >= self._next:
             self._next = now + _LINE
             there = sum(row.alive for row in view.rows)
-            print(f"{_progress(view, self._duration)}  {there} processes alive", flush=True)
+            say(f"{_progress(view, self._duration)}  {there} processes alive")
 
     def close(self) -> None:
         """There is nothing to do."""

@@ -87,9 +87,9 @@ class Summary:
     def _facts(self) -> list[tuple[str, str]]:
         facts = []
         if self.verdict and self.verdict.tracking:
-            facts.append(("  hand", _of_hand(self.verdict.tracking, self.tolerance)))
+            facts += _of_hand(self.verdict.tracking, self.tolerance)
         if self.verdict and self.verdict.platform:
-            facts.append(("  platform", _of_platform(self.verdict.platform)))
+            facts += _of_platform(self.verdict.platform)
         for joint in self.verdict.joints if self.verdict else ():
             if "elbow" in joint.name:
                 end, least = (math.degrees(abs(a)) for a in (joint.final, joint.straightest))
@@ -150,24 +150,27 @@ def _reached(tracking: Tracking, t: float, tolerance: float) -> tuple[int, str]:
     return MISSED, f"goal missed: {off}, though the arm could reach it from where the platform is"
 
 
-def _of_hand(tracking: Tracking, tolerance: float) -> str:
-    since = "" if tracking.since is None else f", for good since {tracking.since:.2f} s"
-    return (
-        f"{distance(tracking.worst)} off at worst after {SETTLING:g} s; within "
-        f"{distance(tolerance)} for {100 * tracking.within:.1f} % of that time{since}"
-    )
+def _of_hand(tracking: Tracking, tolerance: float) -> list[tuple[str, str]]:
+    share = f"{100 * tracking.within:.1f} % of that time"
+    within = f"within {distance(tolerance)} for {share}"
+    if tracking.since is not None:
+        within += f", for good since {tracking.since:.2f} s"
+    return [
+        ("  hand", f"{distance(tracking.worst)} off at worst after {SETTLING:g} s"),
+        ("", within),
+    ]
 
 
-def _of_platform(platform: PlatformMotion) -> str:
+def _of_platform(platform: PlatformMotion) -> list[tuple[str, str]]:
     backwards = "went backwards" if platform.reversed else "never went backwards"
     heading, hand, yaw = (
         f"{math.degrees(angle):.1f} deg"
         for angle in (platform.heading, platform.to_hand, platform.arm_yaw)
     )
-    return (
-        f"{backwards} ({platform.least_speed:.3f} m/s at least); heading {heading}, "
-        f"hand {hand} off it, joint 1 at {yaw}"
-    )
+    return [
+        ("  platform", f"{backwards}: {platform.least_speed:.3f} m/s at least"),
+        ("", f"heading {heading}; the hand {hand} off it, joint 1 at {yaw}"),
+    ]
 
 
 def _logged(deployment: Deployment, run: Path, record: Record | None) -> Iterator[Happening]:

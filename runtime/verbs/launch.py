@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 from runtime.launcher import Launcher, prepare
 from runtime.options import add_deployment_options, load_from
+from runtime.saying import say
 
 if TYPE_CHECKING:
     from runtime.screen import Screen
@@ -29,5 +30,5 @@ def run(args: argparse.Namespace) -> int:
     from runtime.closing import close
 
     summary, picture = close(deployment, folder, course)
-    print(summary.text(), picture, sep="\n")
+    say(f"{summary.text()}\n{picture}".rstrip())
     return summary.code

@@ -130,6 +130,36 @@ def test_two_robots_at_once_both_succeed(make_robot: Callable[[], Robot]) -> Non
         assert all(not process["refused"] for process in robot.summary["processes"])
 
 
+def test_a_run_goes_on_when_nobody_reads_what_it_says(robot: Robot) -> None:
+    launcher = robot.launch("--duration", "2s")
+    assert launcher.stdout is not None
+    launcher.stdout.close()
+    assert launcher.wait(timeout=20) == 0
+    assert robot.summary["code"] == 0
+
+
+def test_classes_that_start_threads_do_not_keep_a_robot_from_starting(
+    robot: Robot, tmp_path: Path
+) -> None:
+    (tmp_path / "busy.py").write_text(
+        "import threading, time\n"
+        "from agents.joint import HoldAgent\n"
+        "threading.Thread(target=time.sleep, args=(60,), daemon=True).start()\n"
+        "class Busy(HoldAgent):\n"
+        "    pass\n"
+    )
+    options = ("--set", f"modules={tmp_path}", "--set", "agents.joint/5.class=busy:Busy")
+    code, said = robot.run("--duration", "3s", *options)
+    assert code == 0, said
+
+
+def test_a_run_whose_plant_dies_has_failed(robot: Robot) -> None:
+    code, said = robot.run("--kill", "plant@1", "--set", "patience=1s")
+    assert code == 1
+    assert "of 24 s: its process was killed" in said
+    assert robot.processes() == {}
+
+
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_an_interrupted_launch_leaves_no_process(robot: Robot, number: signal.Signals) -> None:
     launcher = robot.launch()
