@@ -65,7 +65,7 @@ class FaultMap(Study[MapFound]):
             watch.at(cells.name, cost)
             found = Map(cells, outcome(cells, play(cells), oracle(cells)))
             maps.append(found)
-            rows += _rows(found, least)
+            rows += map_rows(found, least)
         watch.at("encoders lost", 3.0)
         by_eye = _blind(maps[1])
         maps.append(by_eye)
@@ -117,7 +117,8 @@ def _blind(mid: Map) -> Map:
     return Map(cells._replace(name="one lock, mid, encoders lost, localiser"), blind)
 
 
-def _rows(found: Map, least: float) -> list[Row]:
+def map_rows(found: Map, least: float) -> list[Row]:
+    """The table of a map, with its bars; `least` is the share of reachable cells to end well."""
     o, name = found.outcome, found.cells.name
     can = o.reachable
     bar = "100 % of the reachable" if least == 1.0 else f"{100 * least:g} % of the reachable"
@@ -140,7 +141,9 @@ def _elbow(found: Map) -> list[Row]:
         return []
     bent = float(o.elbow[free].min())
     what = f"least elbow from straight once acquired, shoulder and elbow free, {name}"
-    return [Row(what, "at least 15 deg", f"{np.degrees(bent):.0f} deg", bent >= NEAR_STRAIGHT)]
+    return [
+        Row(what, "at least 15 deg", f"{np.degrees(bent):.0f} deg", bool(bent >= NEAR_STRAIGHT))
+    ]
 
 
 def _shown(found: Map) -> list[Row]:

@@ -137,7 +137,7 @@ def _rows(coarse: Drive, mim: Drive, fine: Drive) -> tuple[Row, ...]:
         Row("MIM at the end", "going backwards", f"{mim.trace.base_velocity[-1, 0]:+.3f} m/s",
             bool(mim.trace.base_velocity[-1, 0] < 0.0)),
         Row("least elbow from straight, MSMA", "at least 15 deg", _degrees(coarse.elbow[0]),
-            np.degrees(coarse.elbow[0]) >= 15.0),
+            bool(np.degrees(coarse.elbow[0]) >= 15.0)),
     ]  # fmt: skip
     for each in (coarse, mim):
         who = each.name.split(",")[0]

@@ -3,10 +3,12 @@ from pathlib import Path
 import numpy as np
 
 from studies.fault_cells import MID, oracle, outcome, pair_locks, play, single_locks
+from studies.fault_map import Map, map_rows
 from studies.mobile import DURATION, HAND, PERIOD, msma, plant
 from studies.paper_faults import cases, course
 from studies.platform_path import PlatformPath, drive
-from studies.study import Watch
+from studies.report import Report, as_json
+from studies.study import Findings, Watch
 
 
 def test_the_arm_starts_with_its_hand_where_table_1_says() -> None:
@@ -32,6 +34,7 @@ def test_the_studies_tables_and_pictures_come_with_their_bars(tmp_path: Path) ->
     study = PlatformPath()
     found = study.measure(0.01, Watch())
     assert {row.held for row in found.rows} >= {True, None}
+    assert as_json(Report(study.name, study.title, found, (), 1.0, 0.01))
     (picture,) = study.draw(found, tmp_path)
     assert picture.stat().st_size > 10_000
 
@@ -56,3 +59,10 @@ def test_no_pair_with_shoulder_and_elbow_locked_is_reachable() -> None:
     possible, high = oracle(cells)
     assert np.isinf(possible).all()
     assert not high.any()
+
+
+def test_the_tables_of_the_maps_can_be_written(tmp_path: Path) -> None:
+    cells = single_locks(MID).part(slice(16, 60, 8))
+    rows = map_rows(Map(cells, outcome(cells, play(cells), oracle(cells))), 1.0)
+    found = Findings(tuple(rows), (), ())
+    assert as_json(Report("fault-map", "", found, (), 1.0, 1.0))
