@@ -43,7 +43,7 @@ class Escalation:
     """
 
     def __init__(
-        self, began: float, means: Iterable[Means] = ALL_MEANS, pause: float = 0.8
+        self, began: float, means: Iterable[Means] = ALL_MEANS, pause: float = 0.6
     ) -> None:
         self._left = [(began + index * pause, each) for index, each in enumerate(means)]
 

@@ -40,20 +40,15 @@ def test_the_paper_s_task_is_done_and_nothing_is_left_but_the_record(robot: Robo
     assert (robot.run_folder / "path.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_the_processes_show_their_roles_and_have_sessions_of_their_own(robot: Robot) -> None:
+def test_all_move_at_once_show_their_roles_and_have_sessions_of_their_own(robot: Robot) -> None:
+    began = time.time()
     robot.launch("--duration", "5s")
     robot.until(0.5)
+    moved = next(tick for tick in robot.log("plant", "tick") if any(tick["qd"]))
+    assert moved["wall"] - began < 3.0  # 1.5 on an idle machine; tests may share it
     processes = robot.processes()
     assert sorted(line.split()[-1] for line in processes.values()) == sorted(ROLES)
     assert {os.getsid(pid) for pid in processes} == set(processes)
-
-
-def test_the_first_motion_comes_soon_after_the_command(robot: Robot) -> None:
-    began = time.time()
-    robot.launch("--duration", "2s")
-    robot.until(1.0)
-    moved = next(tick for tick in robot.log("plant", "tick") if any(tick["qd"]))
-    assert moved["wall"] - began < 3.0  # 1.5 on an idle machine; tests may share it
 
 
 @pytest.mark.parametrize("role", ["joint/1", "joint/2", "joint/3"])
@@ -164,11 +159,9 @@ def test_a_run_whose_plant_dies_has_failed(robot: Robot) -> None:
 def test_an_interrupted_launch_leaves_no_process(robot: Robot, number: signal.Signals) -> None:
     launcher = robot.launch()
     robot.until(0.5)
-    began = time.monotonic()
     launcher.send_signal(number)
+    wait_for(lambda: not robot.processes(), "all to end", timeout=3.0)
     out, _ = launcher.communicate(timeout=10)
-    assert time.monotonic() - began < 3.0
-    assert robot.processes() == {}
     assert launcher.returncode == 130
     assert "interrupted" in out
 
@@ -178,11 +171,8 @@ def test_an_interrupted_launch_ends_even_those_who_hang(robot: Robot) -> None:
     robot.until(0.5)
     for role in ("plant", "joint/1"):
         os.kill(robot.pid(role), signal.SIGSTOP)
-    began = time.monotonic()
     launcher.send_signal(signal.SIGINT)
-    launcher.communicate(timeout=10)
-    assert time.monotonic() - began < 3.0
-    assert robot.processes() == {}
+    wait_for(lambda: not robot.processes(), "all to end", timeout=3.0)
 
 
 def test_a_second_launch_of_the_same_robot_fails_and_spares_the_first(robot: Robot) -> None:
