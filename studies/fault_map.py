@@ -89,6 +89,7 @@ class FaultMap(Study[MapFound]):
                 "Growing: the error is still larger in the last two seconds than in those before, "
                 "by more than 3 mm.",
                 *(_misses(found) for found in maps),
+                _by_bearing(maps[2]),
             ),
             maps=tuple(maps),
         )
@@ -163,6 +164,24 @@ def _shown(found: Map) -> list[Row]:
 def _share(found: Map) -> str:
     can = found.outcome.reachable
     return share(float((found.outcome.success & can).sum()), float(can.sum()))
+
+
+def _by_bearing(pairs: Map) -> str:
+    """Success of the pairs by how far off forward joint 1 is locked, and why that matters."""
+    off = np.degrees(np.abs(pairs.cells.locks[:, 0]))
+    o = pairs.outcome
+    words = []
+    for low, high in ((0, 50), (60, 120), (130, 180)):
+        rows = o.reachable & (off > low - 5) & (off < high + 5)
+        done = share(float((o.success & rows).sum()), float(rows.sum()))
+        words.append(f"{low} to {high} deg: {done}")
+    return (
+        f"{pairs.cells.name}, by how far off forward joint 1 is locked: {'; '.join(words)}. With "
+        "joint 1 and one more locked only the platform steers the hand. With the hand ahead of the "
+        "axle, turning so as to bring it nearer lines the platform up by itself; with the hand "
+        "beside or behind it, that is a trailer being backed up: the heading runs away from the "
+        "path, and to come nearer for good the platform would first have to move the hand away."
+    )
 
 
 def _misses(found: Map) -> str:
