@@ -20,7 +20,7 @@ def mobile_agents(arph, period: float, **parameters) -> dict[str, Agent]:
     def body(joint):
         return Body(arph, joint, period, np.random.default_rng([7, 0 if joint is None else joint]))
 
-    agents: dict[str, Agent] = {
+    agents = {
         f"joint/{i + 1}": JointAgent(body(i), **parameters) for i in range(3)
     }
     agents |= {f"joint/{i + 1}": HoldAgent(body(i)) for i in range(3, 6)}
@@ -107,7 +107,7 @@ def test_a_planar_arm_reaches_random_goals_with_two_joints_locked(planar, percep
     plant = Simulator(planar, start, period=period, rng=rng)
     for joint in (2, 4):
         plant.inject(Fault.parse(f"joint/{joint}:locked", planar))
-    agents: dict[str, Agent] = {
+    agents = {
         f"joint/{i + 1}": JointAgent(
             Body(planar, i, period, np.random.default_rng([1, i])),
             perception=perception,
