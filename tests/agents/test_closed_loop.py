@@ -20,7 +20,7 @@ def mobile_agents(arph, period: float, **parameters) -> dict[str, Agent]:
     def body(joint):
         return Body(arph, joint, period, np.random.default_rng([7, 0 if joint is None else joint]))
 
-    agents = {
+    agents: dict[str, Agent] = {
         f"joint/{i + 1}": JointAgent(body(i), **parameters) for i in range(3)
     }
     agents |= {f"joint/{i + 1}": HoldAgent(body(i)) for i in range(3, 6)}
