@@ -138,13 +138,15 @@ def paper_case(
     )  # fmt: skip
 
 
-def ten_pairs(robot: Robot, perception: Perception, count: int, watch: Watch) -> Pairs:
+def ten_pairs(
+    robot: Robot, perception: Perception, count: int, watch: Watch, steps: int = STEPS
+) -> Pairs:
     """Try all pairs of broken joints in five random postures each, `count` goals a posture.
 
     A quarter of the goals is within 1 % of the border. Where they are is drawn from the ring that
     geometry says is reachable.
     """
-    steps, inside, border = [], [], []
+    near, inside, border = [], [], []
     for number, broken in enumerate(combinations(range(robot.n), 2)):
         watch.at(f"joints {broken[0] + 1} and {broken[1] + 1} broken, {perception}", 0.4)
         rng = np.random.default_rng([6, number])
@@ -157,13 +159,13 @@ def ten_pairs(robot: Robot, perception: Perception, count: int, watch: Watch) ->
         at_border = area.draw_at_border(rng, INTERIOR)
         place = np.where(edge[:, None], at_border, area.draw(rng, INTERIOR))
         reached = reach(
-            robot, q, _flat(place), steps=STEPS, faults=locked(broken), seed=number,
+            robot, q, _flat(place), steps=steps, faults=locked(broken), seed=number,
             enough=ENOUGH, perception=perception,
         )  # fmt: skip
-        steps.append(reached.steps[~edge])
+        near.append(reached.steps[~edge])
         inside.append(reached.settled[~edge])
         border.append(reached.settled[edge])
-    return Pairs(np.concatenate(steps), np.concatenate(inside), np.concatenate(border))
+    return Pairs(np.concatenate(near), np.concatenate(inside), np.concatenate(border))
 
 
 def nothing_broken(robot: Robot, perception: Perception, count: int) -> Reached:
