@@ -170,11 +170,15 @@ class Launcher:
         """Give the processes time to end by themselves, unless interrupted, and then end them."""
         interrupted = self._ending.reason is not None
         means = FORCE if self._starting else ALL_MEANS  # others may have the name, and run
-        self._end(Escalation(time.monotonic() + (0.0 if interrupted else _AMPLE), means))
+        began = time.monotonic() + (0.0 if interrupted else _AMPLE)
+        for ended in self._end(Escalation(began, means)):
+            if ended.code:
+                self._happened(f"{ended.role} {ended.how}", pid=ended.pid, code=ended.code)
         self._ending.ask("the run is over")
 
-    def _end(self, escalation: Escalation) -> None:
-        """Wait until no process is left; kill them at a second Ctrl-C."""
+    def _end(self, escalation: Escalation) -> list[Ended]:
+        """Wait until no process is left, and return how they ended; kill at a second Ctrl-C."""
+        all_ended = []
         signal.signal(signal.SIGINT, lambda *_: self._children.signal(signal.SIGKILL))
         while self._children:
             for means in escalation.due(time.monotonic()):
@@ -182,8 +186,9 @@ class Launcher:
                     self._watcher.stop("**", _ANSWER)
                 else:
                     self._children.signal(signal.Signals[means.value])
-            self._children.ended()
+            all_ended += self._children.ended()
             time.sleep(_TURN)
+        return all_ended
 
     def _happened(self, text: str, **more: object) -> None:
         t = self._view.t

@@ -89,9 +89,10 @@ def test_an_agent_that_hangs_at_the_end_is_killed(robot: Robot) -> None:
     robot.until(1.0)
     os.kill(robot.pid("joint/5"), signal.SIGSTOP)
     robot.until(2.0)
-    launcher.communicate(timeout=6)
+    out, _ = launcher.communicate(timeout=8)
     assert launcher.returncode == 0
     assert robot.processes() == {}
+    assert "joint/5 was killed by SIGKILL" in out
 
 
 def test_without_the_platform_the_arm_goes_as_far_as_it_reaches(robot: Robot) -> None:
