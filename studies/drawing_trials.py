@@ -12,6 +12,7 @@ from studies.drawing import COLOURS, DASHES, save, sheet
 if TYPE_CHECKING:
     from studies.encoder_faults import Found as Encoders
     from studies.no_model import Found as NoModel
+    from studies.real_processes import Found as Real
     from studies.wild_joint import Found as Wild
 
 
@@ -73,3 +74,21 @@ def _ends(axis: Axes, end: Array, name: str, index: int) -> None:
     axis.semilogx(ordered, 100 * np.arange(1, len(ordered) + 1) / len(ordered), label=name,
                   color=COLOURS[index % 8], linestyle=DASHES[index % 8])  # fmt: skip
     axis.set(xlabel="distance at the end [mm]", ylabel="share of the goals [%]")
+
+
+def real_processes(found: "Real", file: Path) -> Path:
+    """When each hand was at its goal for good: through processes against in lockstep."""
+    figure, axes = sheet(6.0, 5.5)
+    top = 1.0
+    kinds = ((True, "two agents killed", "o"), (False, "two joints locked", "s"))
+    for index, (killed, name, mark) in enumerate(kinds):
+        some = [each for each in found.trials if each.killed is killed]
+        times = np.array([[each.stepped_since, each.real_since] for each in some])
+        axes[0].plot(*times.T, mark, color=COLOURS[index], label=name)
+        top = max(top, float(times[np.isfinite(times)].max(initial=1.0)))
+    axes[0].plot([0, top], [0, top], ":", color="black", label="the same")
+    axes[0].set(xlabel="lockstep: within 3 mm for good since [s]",
+                ylabel="processes: within 3 mm for good since [s]",
+                title="The same goals, through real processes and in lockstep")  # fmt: skip
+    axes[0].legend(fontsize=8)
+    return save(figure, file)

@@ -13,7 +13,7 @@ from plant.urdf import load
 from studies.crew import IN_STEP, Meeting, Reached, reach
 from studies.study import Claim, Findings, Row, Study, Watch, share
 
-STEPS = 1000
+STEPS = 2000
 """Of 0.1 s, at most."""
 TICKS = 5
 """Plant steps in a period of the agents, where the eye is late: 20 ms each."""
@@ -196,7 +196,7 @@ def _claims(done: list[tuple[Case, Reached]]) -> tuple[Claim, ...]:
 
 NOTES = (
     "The agents believe to be part of another robot; of it they use no more than the top speed. "
-    "True distances are judged, at the end of 100 s.",
+    "True distances are judged, at the end of 200 s, or sooner if all are there.",
     "Goals are where the hand is in another random posture of the same arm. Late cases run the "
     "plant at 20 ms and the agents at 100 ms; 10 % of percepts and 10 % of commands are lost.",
 )

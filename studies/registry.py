@@ -12,6 +12,7 @@ STUDIES = {
     "wild-joint": "studies.wild_joint:WildJoint",
     "no-model": "studies.no_model:NoModel",
     "encoder-faults": "studies.encoder_faults:EncoderFaults",
+    "real-processes": "studies.real_processes:RealProcesses",
     "platform-path": "studies.platform_path:PlatformPath",
     "paper-faults": "studies.paper_faults:PaperFaults",
     "fault-map": "studies.fault_map:FaultMap",
