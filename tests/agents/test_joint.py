@@ -158,3 +158,15 @@ def test_hold_says_nothing_while_its_encoder_is_not_heard(body, percepts):
 def test_hold_refuses_a_rate_that_is_not_positive(body):
     with pytest.raises(AgentError, match="rate: 0 must be positive"):
         HoldAgent(body(3), rate=0.0)
+
+
+def test_when_encoders_are_lost_it_goes_on_from_what_the_model_told(body, percepts):
+    agent = JointAgent(body(1), perception="auto")
+    lost = Joints(np.full(6, np.nan), np.full(6, np.nan))
+    for tick in range(10):
+        with_model = agent.decide(percepts(UP, t=tick * 0.06))
+    without = agent.decide(percepts(UP, t=0.6, joints=lost))
+    assert agent.perception == "localiser"
+    assert np.sign(without) == np.sign(with_model) == 1
+    afresh = JointAgent(body(1), perception="auto").decide(percepts(UP, t=0.6, joints=lost))
+    assert abs(without) > 2 * abs(afresh)  # who knows nothing begins with small moves

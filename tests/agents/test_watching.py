@@ -1,0 +1,80 @@
+"""What an agent without a model learns by watching the hand."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from agents.watching import OwnColumn, OwnMotion, SteadyEye
+
+PERIOD = 0.1
+
+
+def test_a_still_eye_is_believed_outright():
+    eye = SteadyEye()
+    for tick in range(60):
+        place = 0.3 * np.array([np.cos(0.15 * tick), np.sin(0.1 * tick), 0.0])
+        eye.see(tick * PERIOD, place)
+    np.testing.assert_allclose(eye.place, place, atol=1e-12)
+    assert eye.trust == 1.0
+
+
+def test_of_an_eye_that_trembles_less_comes_through():
+    eye = SteadyEye()
+    rng = np.random.default_rng(2)
+    places, velocities = [], []
+    for tick in range(600):
+        eye.see(tick * PERIOD, rng.normal(scale=0.001, size=3))
+        places.append(eye.place)
+        velocities.append(eye.velocity)
+    assert np.std(places[100:]) < 0.0009
+    assert np.std(velocities[100:]) < 0.7 * 0.001 * np.sqrt(2) / PERIOD
+    assert eye.trust < 0.95
+
+
+def test_a_hand_in_steady_motion_is_followed_without_lag_through_a_trembling_eye():
+    eye = SteadyEye()
+    rng = np.random.default_rng(3)
+    velocity = np.array([0.05, -0.02, 0.0])
+    late = []
+    for tick in range(300):
+        t = tick * PERIOD
+        eye.see(t, velocity * t + rng.normal(scale=0.001, size=3))
+        late.append(eye.place - velocity * t)
+    assert np.abs(np.mean(late[100:], axis=0)).max() < 0.0005
+
+
+@given(st.integers(0, 5), st.integers(0, 1000))
+def test_its_own_column_and_how_late_the_eye_is_are_found_among_others_motions(late, seed):
+    rng = np.random.default_rng(seed)
+    lags = np.arange(6) * PERIOD / 2
+    own, true = OwnColumn(lags), np.array([0.3, -0.5, 0.1])
+    changes = rng.normal(scale=0.2, size=(200, 6))  # of its speed, as seen with each lag
+    for speed in changes:
+        others = rng.normal(scale=0.02, size=3)
+        own.learn(speed, true * speed[late] + others, PERIOD, np.array(0.0))
+    way = own.column.way
+    assert way @ true > 0.85 * np.linalg.norm(way) * np.linalg.norm(true)
+    assert np.linalg.norm(way) == pytest.approx(np.linalg.norm(true), rel=0.45)
+    assert own.column.lag == pytest.approx(lags[late], abs=PERIOD / 4)
+
+
+def test_a_column_that_a_model_told_is_known_from_the_start():
+    told = np.array([0.1, 0.2, 0.3])
+    own = OwnColumn(np.array([0.0]), told)
+    np.testing.assert_array_equal(own.column.way, told)
+    assert own.column.variance < 0.01
+
+
+def test_its_own_mean_speed_is_told_for_each_lag():
+    motion = OwnMotion(np.array([0.0, 0.05, 0.1]))
+    for tick, speed in enumerate([1.0, 2.0, 4.0]):
+        motion.tell(tick * PERIOD, np.array(speed))
+    np.testing.assert_allclose(motion.mean_speed(0.2, 0.3), [4.0, 3.0, 2.0])
+
+
+def test_what_was_long_ago_is_forgotten():
+    motion = OwnMotion(np.array([0.0, 0.1]))
+    for tick in range(1000):
+        motion.tell(tick * PERIOD, np.array(0.1))
+    assert len(motion._told) < 12
