@@ -11,8 +11,8 @@ from importlib.util import find_spec
 
 import runtime.verbs
 from plant.errors import MsmaError
-from runtime.failures import RunError
-from runtime.tree import valid_are
+from runtime.config.tree import valid_are
+from runtime.launching.failures import RunError
 
 _GROUP = "msma.verbs"
 

@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from plant.errors import MsmaError
-from runtime.ending import FAILED, OK
-from runtime.record import Record, read_record
-from runtime.summary import MISSED
+from runtime.launching.record import Record, read_record
+from runtime.launching.summary import MISSED
+from runtime.processes.ending import FAILED, OK
 
 ROOT = Path(__file__).parent.parent
 MAIN = "import sys; from runtime.cli import main; sys.exit(main(sys.argv[1:]))"

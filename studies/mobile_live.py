@@ -9,7 +9,7 @@ import numpy as np
 
 from agents.agent import Array
 from plant.faults import Fault
-from runtime.record import Record
+from runtime.launching.record import Record
 from studies.fault_cells import MID, TOLERANCE, oracle, single_locks
 from studies.live import ROOT, launch
 from studies.lockstep import Event, Trace, run

@@ -3,8 +3,8 @@
 import argparse
 from pathlib import Path
 
-from runtime.options import add_deployment_options, load_from
-from runtime.roles import live
+from runtime.config.options import add_deployment_options, load_from
+from runtime.processes.roles import live
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

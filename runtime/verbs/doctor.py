@@ -3,12 +3,12 @@
 import argparse
 from pathlib import Path
 
-from runtime.checkup import Grade, machine, place
-from runtime.deployment import load
-from runtime.finding import add_target_options, target_of
-from runtime.keys import PLANT
-from runtime.ports import FIRST_COPY
-from runtime.table import columns
+from runtime.config.deployment import load
+from runtime.launching.checkup import Grade, machine, place
+from runtime.launching.finding import add_target_options, target_of
+from runtime.launching.table import columns
+from runtime.wire.keys import PLANT
+from runtime.wire.ports import FIRST_COPY
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

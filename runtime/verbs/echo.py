@@ -4,10 +4,10 @@ import argparse
 import json
 import queue
 
-from runtime import keys
-from runtime.fields import MessageError
-from runtime.finding import add_target_options, target_of, visit
-from runtime.messages import FIELDS, unpack
+from runtime.launching.finding import add_target_options, target_of, visit
+from runtime.wire import keys
+from runtime.wire.fields import MessageError
+from runtime.wire.messages import FIELDS, unpack
 
 _DEPTH = 1000  # messages that may wait to be printed
 

@@ -3,9 +3,9 @@
 import argparse
 
 from plant.faults import FaultError
-from runtime import keys
-from runtime.failures import RunError
-from runtime.finding import add_target_options, target_of, visit
+from runtime.launching.failures import RunError
+from runtime.launching.finding import add_target_options, target_of, visit
+from runtime.wire import keys
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -5,8 +5,8 @@ import time
 from itertools import pairwise
 from statistics import pstdev
 
-from runtime.failures import RunError
-from runtime.finding import add_target_options, target_of, visit
+from runtime.launching.failures import RunError
+from runtime.launching.finding import add_target_options, target_of, visit
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -4,8 +4,8 @@ import argparse
 import os
 import signal
 
-from runtime.finding import add_target_options, target_of, visit
-from runtime.local import pids_in
+from runtime.launching.finding import add_target_options, target_of, visit
+from runtime.launching.local import pids_in
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -3,12 +3,12 @@
 import argparse
 from typing import TYPE_CHECKING
 
-from runtime.launcher import Launcher, prepare
-from runtime.options import add_deployment_options, load_from
-from runtime.saying import say
+from runtime.config.options import add_deployment_options, load_from
+from runtime.launching.launcher import Launcher, prepare
+from runtime.launching.saying import say
 
 if TYPE_CHECKING:
-    from runtime.screen import Screen
+    from runtime.launching.screen import Screen
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -21,13 +21,13 @@ def run(args: argparse.Namespace) -> int:
     deployment = load_from(args)
 
     def make_screen() -> "Screen":
-        from runtime.screen import open_screen
+        from runtime.launching.screen import open_screen
 
         return open_screen(deployment.duration)
 
     folder = prepare(deployment)
     course = Launcher(deployment, folder, make_screen).go()
-    from runtime.closing import close
+    from runtime.launching.closing import close
 
     summary, picture = close(deployment, folder, course)
     say(f"{summary.text()}\n{picture}".rstrip())

@@ -4,12 +4,12 @@ import argparse
 import time
 from pathlib import Path
 
-from runtime.bus import Bus
-from runtime.deployment import load
-from runtime.failures import RunError
-from runtime.finding import add_target_options, target_of, visit
-from runtime.local import diags, run_of
-from runtime.starting import Task, start
+from runtime.config.deployment import load
+from runtime.launching.failures import RunError
+from runtime.launching.finding import add_target_options, target_of, visit
+from runtime.launching.local import diags, run_of
+from runtime.launching.starting import Task, start
+from runtime.wire.bus import Bus
 
 _PATIENCE = 10.0  # [s] for it to be seen alive
 

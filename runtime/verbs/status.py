@@ -5,10 +5,10 @@ import json
 import time
 from collections.abc import Mapping
 
-from runtime.finding import add_target_options, target_of, visit
-from runtime.local import diags, silent_roles
-from runtime.table import HEADINGS, cells, columns, distance
-from runtime.watcher import View, Watcher
+from runtime.launching.finding import add_target_options, target_of, visit
+from runtime.launching.local import diags, silent_roles
+from runtime.launching.table import HEADINGS, cells, columns, distance
+from runtime.launching.watcher import View, Watcher
 
 _FRAME = 0.25  # [s]
 _HAND = 0.3  # [s] to wait for where the hand is
@@ -52,7 +52,7 @@ def _glance(watcher: Watcher) -> View:
 def _watch(watcher: Watcher) -> None:
     from rich.live import Live
 
-    from runtime.screen import picture
+    from runtime.launching.screen import picture
 
     with Live(auto_refresh=False) as live:
         while True:

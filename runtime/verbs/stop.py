@@ -3,10 +3,10 @@
 import argparse
 import time
 
-from runtime import keys
-from runtime.bus import Bus
-from runtime.failures import RunError
-from runtime.finding import add_target_options, target_of, visit
+from runtime.launching.failures import RunError
+from runtime.launching.finding import add_target_options, target_of, visit
+from runtime.wire import keys
+from runtime.wire.bus import Bus
 
 _PATIENCE = 3.0  # [s] for all to be gone
 _ANSWER = 1.0  # [s]

@@ -5,9 +5,9 @@ import json
 from collections.abc import Sequence
 from typing import Any
 
-from runtime.deployment import Deployment
-from runtime.options import add_deployment_options, load_from
-from runtime.schema import schema
+from runtime.config.deployment import Deployment
+from runtime.config.options import add_deployment_options, load_from
+from runtime.config.schema import schema
 
 
 class _PrintSchema(argparse.Action):

@@ -10,19 +10,18 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, suppress
-from itertools import count
 from pathlib import Path
 from typing import Any, TypeVar
 
 import pytest
 
-from runtime import keys
-from runtime.bus import Bus
-from runtime.finding import is_taken
-from runtime.mesh import HOST, visitor
-from runtime.messages import Diag, unpack
-from runtime.ports import SLOTS, port_base
-from runtime.record import read_log
+from runtime.launching.finding import is_taken
+from runtime.launching.record import read_log
+from runtime.wire import keys
+from runtime.wire.bus import Bus
+from runtime.wire.mesh import HOST, visitor
+from runtime.wire.messages import Diag, unpack
+from runtime.wire.ports import SLOTS, port_base
 
 ROOT = Path(__file__).parents[2]
 T = TypeVar("T")
@@ -93,9 +92,6 @@ class Crew:
         return wait_for(look, f"{role}: {what}")
 
 
-_MARKS = count()
-
-
 class Robot:
     """A robot of a name of its own, with `msma` as a person would use it from another folder."""
 
@@ -103,9 +99,7 @@ class Robot:
         self.name = _free_name()
         self.folder = folder / self.name
         self.folder.mkdir()
-        self._mark = f"MSMA_TEST={os.getpid()}-{next(_MARKS)}"
-        name, _, value = self._mark.partition("=")
-        self._environment = {**os.environ, name: value, "PYTHONPATH": str(ROOT)}
+        self._environment = {**os.environ, "PYTHONPATH": str(ROOT)}
         self._launched: list[subprocess.Popen[str]] = []
         stack.callback(self._end)
 
@@ -181,8 +175,8 @@ class Robot:
         found = {}
         for folder in Path("/proc").glob("[0-9]*"):
             with suppress(OSError):
-                if f"{self._mark}\0".encode() in (folder / "environ").read_bytes():
-                    found[int(folder.name)] = (folder / "cmdline").read_text().replace("\0", " ")
+                if (folder / "cwd").readlink() == self.folder:  # all begin in it and stay
+                    found[int(folder.name)] = (folder / "cmdline").read_text().rstrip("\0")
         for launcher in self._launched:
             found.pop(launcher.pid, None)
         return found

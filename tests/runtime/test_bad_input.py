@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from runtime import keys
-from runtime.refusals import Reason
+from runtime.wire import keys
+from runtime.wire.refusals import Reason
 from tests.runtime.conftest import Crew, wait_for
 
 BAD_AGENTS = """

@@ -9,10 +9,10 @@ from contextlib import ExitStack
 import pytest
 
 from plant.errors import MsmaError
-from runtime import keys
-from runtime.bus import Bus, BusError, Ring
-from runtime.mesh import HOST, seat, visitor
-from runtime.messages import LARGEST, JointCommand, unpack
+from runtime.wire import keys
+from runtime.wire.bus import Bus, BusError, Ring
+from runtime.wire.mesh import HOST, seat, visitor
+from runtime.wire.messages import LARGEST, JointCommand, unpack
 from tests.runtime.conftest import Crew, wait_for
 
 KEY = keys.joint_command(1)

@@ -11,10 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from agents.paths import CsvPath, Line
-from runtime.deployment import Deployment, load
-from runtime.overrides import Override
-from runtime.specs import ChaosEvent
-from runtime.tree import ConfigError
+from runtime.config.deployment import Deployment, load
+from runtime.config.overrides import Override
+from runtime.config.specs import ChaosEvent
+from runtime.config.tree import ConfigError
 from tests.runtime.own_agents import Nudge
 
 ROOT = Path(__file__).parents[2]
@@ -66,7 +66,7 @@ def test_a_platform_is_refused_where_the_robot_has_none() -> None:
 
 
 def test_more_agents_than_slots_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("runtime.deployment.FIRST_COPY", 4)
+    monkeypatch.setattr("runtime.config.deployment.FIRST_COPY", 4)
     assert refused(GOOD) == "x.yaml:14:3: agents: 5 processes with plant and goal, of 4 at most"
 
 
@@ -218,7 +218,7 @@ def test_a_process_loads_the_class_of_its_own_role_only() -> None:
 
 def test_the_plants_process_imports_no_agent() -> None:
     program = (
-        "import sys; from runtime.deployment import load; "
+        "import sys; from runtime.config.deployment import load; "
         f"load({str(ROOT / 'deploy/arph.yaml')!r}, only_role='plant'); "
         "print({'agents.joint', 'agents.platform', 'jsonschema', 'rich'} & set(sys.modules))"
     )

@@ -1,9 +1,9 @@
 import pytest
 
-from runtime.ear import Ear
-from runtime.fields import MessageError
-from runtime.messages import JointCommand, pack
-from runtime.refusals import OTHER_REASONS, REASONS_KEPT, UNKNOWN_KEYS, Reason, Refusals
+from runtime.wire.ear import Ear
+from runtime.wire.fields import MessageError
+from runtime.wire.messages import JointCommand, pack
+from runtime.wire.refusals import OTHER_REASONS, REASONS_KEPT, UNKNOWN_KEYS, Reason, Refusals
 
 KEY = "arm/joint/1/cmd"
 

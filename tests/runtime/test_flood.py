@@ -6,10 +6,10 @@ import time
 
 import pytest
 
-from runtime import keys
-from runtime.bus import Bus
-from runtime.mesh import visitor
-from runtime.messages import (
+from runtime.wire import keys
+from runtime.wire.bus import Bus
+from runtime.wire.mesh import visitor
+from runtime.wire.messages import (
     GoalMessage,
     HandPose,
     JointCommand,
@@ -19,7 +19,7 @@ from runtime.messages import (
     PlatformPose,
     pack,
 )
-from runtime.ports import port_base
+from runtime.wire.ports import port_base
 from tests.runtime.conftest import Robot
 
 

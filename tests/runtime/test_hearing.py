@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from runtime.hearing import LEAP, VOICES_KEPT, Hearing
-from runtime.messages import JointCommand
-from runtime.refusals import Reason
+from runtime.wire.hearing import LEAP, VOICES_KEPT, Hearing
+from runtime.wire.messages import JointCommand
+from runtime.wire.refusals import Reason
 
 FRESH = 0.2  # [s]
 A, B, C = 11, 22, 33

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from runtime.journal import Journal, JournalError, new_run_folder
+from runtime.processes.journal import Journal, JournalError, new_run_folder
 
 
 def lines(path: Path) -> list[dict[str, object]]:

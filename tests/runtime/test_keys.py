@@ -3,8 +3,8 @@ import zenoh
 from hypothesis import given
 from hypothesis import strategies as st
 
-from runtime import keys
-from runtime.messages import Diag, HandPose, JointCommand
+from runtime.wire import keys
+from runtime.wire.messages import Diag, HandPose, JointCommand
 
 ROLES = ["plant", "goal", "platform", "joint/1", "joint/12", "launcher"]
 

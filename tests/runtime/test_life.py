@@ -2,7 +2,7 @@
 
 import pytest
 
-from runtime.life import Life
+from runtime.processes.life import Life
 
 PATIENCE, DURATION = 10.0, 24.0  # [s]
 

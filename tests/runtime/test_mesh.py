@@ -2,8 +2,8 @@ from itertools import combinations
 
 import pytest
 
-from runtime.mesh import seat, visitor
-from runtime.ports import FIRST_COPY, SLOTS, port_base
+from runtime.wire.mesh import seat, visitor
+from runtime.wire.ports import FIRST_COPY, SLOTS, port_base
 
 BASE, ROLES = 9000, 9
 SLOTS_IN_USE = [*range(ROLES), *range(FIRST_COPY, FIRST_COPY + 3)]

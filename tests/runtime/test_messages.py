@@ -7,8 +7,8 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from runtime.fields import MessageError, Spread
-from runtime.messages import (
+from runtime.wire.fields import MessageError, Spread
+from runtime.wire.messages import (
     FIELDS,
     LARGEST,
     Diag,
@@ -23,7 +23,7 @@ from runtime.messages import (
     stamp,
     unpack,
 )
-from runtime.refusals import Reason
+from runtime.wire.refusals import Reason
 
 numbers = st.floats(-1e9, 1e9)
 counts = st.integers(0, 2**63 - 1)

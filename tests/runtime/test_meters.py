@@ -3,8 +3,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from runtime.answers import Answers
-from runtime.meters import Durations, Rate
+from runtime.processes.answers import Answers
+from runtime.processes.meters import Durations, Rate
 
 
 @given(st.lists(st.floats(1e-6, 100.0), min_size=1, max_size=200))

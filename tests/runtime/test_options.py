@@ -3,10 +3,10 @@ from pathlib import Path
 
 import pytest
 
-from runtime.deployment import Deployment
-from runtime.options import add_deployment_options, load_from
-from runtime.specs import ChaosEvent
-from runtime.tree import ConfigError
+from runtime.config.deployment import Deployment
+from runtime.config.options import add_deployment_options, load_from
+from runtime.config.specs import ChaosEvent
+from runtime.config.tree import ConfigError
 
 FILE = str(Path(__file__).parents[2] / "deploy" / "arph.yaml")
 

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from plant import urdf
-from runtime import keys
-from runtime.bus import Arrival
-from runtime.messages import JointCommand, PlatformCommand, pack
-from runtime.orders import Orders
-from runtime.refusals import UNKNOWN_KEYS, Reason, Refusals
+from runtime.processes.orders import Orders
+from runtime.wire import keys
+from runtime.wire.bus import Arrival
+from runtime.wire.messages import JointCommand, PlatformCommand, pack
+from runtime.wire.refusals import UNKNOWN_KEYS, Reason, Refusals
 
 HOLD, FRESH = 0.24, 0.2  # [s]
 

@@ -1,6 +1,6 @@
 import pytest
 
-from runtime.pacer import Pacer
+from runtime.processes.pacer import Pacer
 
 PERIOD = 0.0625  # [s], a binary fraction so that sums are exact
 

@@ -10,8 +10,8 @@ from typing import Any
 
 import pytest
 
-from runtime import keys
-from runtime.messages import Diag, GoalMessage, HandPose, JointCommand, JointStates, unpack
+from runtime.wire import keys
+from runtime.wire.messages import Diag, GoalMessage, HandPose, JointCommand, JointStates, unpack
 from tests.runtime.conftest import Crew, wait_for
 
 ARM = ("joint/1", "joint/2", "joint/3")

@@ -7,9 +7,9 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 import pytest
 import yaml
 
-from runtime.kinds import Output, Pattern, Range, Scope
-from runtime.reading import Derived, Field, Rest, kind_of, parameters_of
-from runtime.tree import ConfigError, Node, Place, parse
+from runtime.config.kinds import Output, Pattern, Range, Scope
+from runtime.config.reading import Derived, Field, Rest, kind_of, parameters_of
+from runtime.config.tree import ConfigError, Node, Place, parse
 
 START = Place("x.yaml", Path("/"), 1, 1)
 

@@ -5,10 +5,10 @@ from typing import Any
 
 import pytest
 
-from runtime import keys
-from runtime.fields import Spread
-from runtime.messages import Diag
-from runtime.roster import DEBOUNCE, Roster, order
+from runtime.launching.roster import DEBOUNCE, Roster, order
+from runtime.wire import keys
+from runtime.wire.fields import Spread
+from runtime.wire.messages import Diag
 
 A, B = 0xAA, 0xBB
 Act = Callable[[Roster], None]

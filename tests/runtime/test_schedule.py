@@ -2,8 +2,8 @@
 
 import pytest
 
-from runtime.schedule import ALL_MEANS, FORCE, Escalation, Means, Schedule
-from runtime.specs import ChaosEvent
+from runtime.config.specs import ChaosEvent
+from runtime.launching.schedule import ALL_MEANS, FORCE, Escalation, Means, Schedule
 
 KILL, REVIVE = ChaosEvent(at=5.0, kill="joint/2"), ChaosEvent(at=8.0, revive="joint/2")
 FAULT = ChaosEvent(at=5.0, fault="joint/1:locked")

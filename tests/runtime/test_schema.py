@@ -5,10 +5,10 @@ import jsonschema
 import pytest
 import yaml
 
-from runtime.deployment import Deployment
-from runtime.kinds import Range
-from runtime.reading import kind_of
-from runtime.schema import schema
+from runtime.config.deployment import Deployment
+from runtime.config.kinds import Range
+from runtime.config.reading import kind_of
+from runtime.config.schema import schema
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = yaml.safe_load((Path(__file__).parent / "bad_files.yaml").read_text())

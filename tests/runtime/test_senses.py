@@ -3,9 +3,10 @@ import pytest
 
 from agents.agent import Percepts
 from plant import urdf
-from runtime import keys
-from runtime.bus import Arrival
-from runtime.messages import (
+from runtime.processes.senses import Senses
+from runtime.wire import keys
+from runtime.wire.bus import Arrival
+from runtime.wire.messages import (
     GoalMessage,
     HandPose,
     JointStates,
@@ -14,8 +15,7 @@ from runtime.messages import (
     pack,
     stamp,
 )
-from runtime.refusals import UNKNOWN_KEYS, Reason, Refusals
-from runtime.senses import Senses
+from runtime.wire.refusals import UNKNOWN_KEYS, Reason, Refusals
 
 FRESH = 0.2  # [s]
 STATES = JointStates(1.0, (0.0, 0.1, 0.2, 0.3, 0.4, 0.5), (0.0,) * 6)

@@ -8,8 +8,8 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from runtime.overrides import Override
-from runtime.tree import ConfigError, Node, Place, parse, read_file
+from runtime.config.overrides import Override
+from runtime.config.tree import ConfigError, Node, Place, parse, read_file
 
 START = Place("x.yaml", Path("/"), 1, 1)
 

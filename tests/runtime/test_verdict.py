@@ -10,14 +10,14 @@ import pytest
 
 from agents.agent import Array
 from plant.kinematics import Kinematics
-from runtime.deployment import Deployment, load
-from runtime.ending import FAILED, INTERRUPTED, OK
-from runtime.launcher import Course
-from runtime.reach import nearest
-from runtime.record import Record, RecordError, read_record
-from runtime.summary import MISSED, Summary, summarise
-from runtime.verdict import goals, judge
-from runtime.watcher import View
+from runtime.config.deployment import Deployment, load
+from runtime.launching.launcher import Course
+from runtime.launching.reach import nearest
+from runtime.launching.record import Record, RecordError, read_record
+from runtime.launching.summary import MISSED, Summary, summarise
+from runtime.launching.verdict import goals, judge
+from runtime.launching.watcher import View
+from runtime.processes.ending import FAILED, INTERRUPTED, OK
 from tests.runtime.conftest import ROOT
 
 ENDED = {"event": "end", "reason": "the run is over", "code": 0}

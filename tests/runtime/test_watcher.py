@@ -2,10 +2,10 @@ import signal
 
 import pytest
 
-from runtime import keys
-from runtime.messages import GoalMessage
-from runtime.roster import Row
-from runtime.watcher import View, Watcher, goal_at
+from runtime.launching.roster import Row
+from runtime.launching.watcher import View, Watcher, goal_at
+from runtime.wire import keys
+from runtime.wire.messages import GoalMessage
 from tests.runtime.conftest import Crew, wait_for
 
 GOAL = GoalMessage(0.0, (1.0, 2.0, 3.0), (0.1, 0.0, -0.1), since=2.0, until=4.0)

@@ -1,0 +1,1 @@
+"""Deployment files: read with their places, checked, and written again."""

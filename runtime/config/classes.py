@@ -1,0 +1,119 @@
+"""Classes that a deployment names as `module:Class`, so that users add theirs beside ours."""
+
+import importlib
+import inspect
+import pkgutil
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any, ClassVar, NoReturn, Self
+
+import agents
+from agents.agent import Agent
+from agents.paths import Path
+from runtime.config.kinds import Pattern, Scope, Text
+from runtime.config.reading import Field, parameters_of
+from runtime.config.tree import ConfigError, Node, nearest, valid_are
+
+
+@dataclass(frozen=True)
+class ClassName:
+    """A class by its name, and what a file may say of it.
+
+    Attributes:
+        name: As written, `module:Class`.
+        make: What makes one: the class, if it is loaded.
+        parameters: Its keyword-only parameters; None if it is not loaded, in a process that has
+            nothing to do with it.
+    """
+
+    name: str
+    make: Callable[..., Any] = field(compare=False, repr=False)
+    parameters: Sequence[Field] | None = field(default=None, compare=False, repr=False)
+
+    base: ClassVar[type[Any]]
+    such_as: ClassVar[str]
+
+    @classmethod
+    def from_node(cls, node: Node, scope: Scope) -> Self:
+        """Read the name and load the class, unless another role's is the only one wanted."""
+        pattern = Pattern(r"\w+(\.\w+)*:\w+", "a class", cls.such_as)
+        name = Text(pattern).read(node, scope)
+        if scope["only_role"] not in (None, scope.get("role", "goal")):
+            return cls(name, cls._not_loaded)
+        folder = str(scope["modules"])
+        if folder not in sys.path:
+            sys.path.append(folder)
+        found = cls._load(name, node, folder)
+        try:
+            return cls(name, found, parameters_of(found))
+        except (TypeError, NameError, ValueError) as error:
+            raise node.error(f"{name} cannot be used in a file: {error}") from None
+
+    @classmethod
+    def _load(cls, name: str, node: Node, folder: str) -> Callable[..., Any]:
+        place, _, attribute = name.partition(":")
+        try:
+            module = importlib.import_module(place)
+        except Exception as error:  # a module may do anything when it is imported
+            missing = error.name if isinstance(error, ModuleNotFoundError) else None
+            if missing is None or not f"{place}.".startswith(f"{missing}."):
+                what = f"{type(error).__name__}: {error}"
+                raise node.error(f"module {place} cannot be imported: {what}") from error
+            hint = nearest(
+                place, [m.name for m in pkgutil.iter_modules(agents.__path__, "agents.")]
+            )
+            what = f"there is no module {place!r}, neither installed nor in {folder}"
+            raise node.error(what + hint) from None
+        valid: dict[str, Any] = {n: c for n, c in vars(module).items() if cls._fits(c)}
+        if attribute not in valid:
+            base = cls.base.__name__
+            derive = f"; derive one from {cls.base.__module__}:{base}"
+            hint = valid_are(attribute, valid) if valid else derive
+            raise node.error(f"{place} has no {base} class {attribute!r}{hint}")
+        found: Callable[..., Any] = valid[attribute]
+        return found
+
+    @classmethod
+    def _fits(cls, candidate: Any) -> bool:
+        if not inspect.isclass(candidate) or not issubclass(candidate, cls.base):
+            return False
+        return not inspect.isabstract(candidate) and not candidate.__name__.startswith("_")
+
+    @property
+    def is_loaded(self) -> bool:
+        """Whether this process has the class."""
+        return self.parameters is not None
+
+    @staticmethod
+    def _not_loaded(*_: Any, **__: Any) -> NoReturn:
+        raise ConfigError("this deployment was loaded for another role, without this class")
+
+    def __str__(self) -> str:
+        return self.name
+
+
+class AgentClass(ClassName):
+    """A class of agents."""
+
+    base = Agent
+    such_as = "agents.joint:JointAgent"
+
+
+class PathClass(ClassName):
+    """A class of paths."""
+
+    base = Path
+    such_as = "agents.paths:Line"
+
+
+def blame(node: Node, build: Callable[[], Any]) -> None:
+    """Run `build`, and turn what it says against the values in `node` into their error."""
+    try:
+        build()
+    except Exception as error:  # a user's constructor may do anything
+        name, _, what = str(error).partition(": ")
+        if isinstance(error, ValueError) and name in node.children:
+            raise node.children[name].error(what) from error
+        kind = "" if isinstance(error, ValueError) else f"{type(error).__name__}: "
+        raise node.error(f"{kind}{error}") from error

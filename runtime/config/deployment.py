@@ -1,0 +1,134 @@
+"""What is to run: a robot, its agents, where they are led, and what goes wrong on the way."""
+
+import os
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import yaml
+
+from agents.agent import Agent
+from runtime.config.kinds import Output, Pattern, Range, Scope
+from runtime.config.overrides import Override
+from runtime.config.reading import Derived, kind_of
+from runtime.config.specs import AgentSpec, ChaosEvent, Description, GoalSpec, PlantSpec, Start
+from runtime.config.tree import ConfigError, Node, read_file, valid_are
+from runtime.wire.ports import FIRST_COPY, SLOTS, port_base
+
+Name = Annotated[str, Pattern("[A-Za-z0-9][A-Za-z0-9_-]{0,63}", "a robot's name", "arph")]
+Port = Annotated[int, Range(such_as="7600", least=1024, most=65536 - SLOTS)]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Deployment:
+    """All that the processes of one robot need to know to start.
+
+    Attributes:
+        robot: Its name on the network, which keeps robots apart.
+        description: The name of a robot that comes with MSMA, or the path of a URDF file.
+        period: How often the plant and the agents act [s].
+        duration: The run ends after so long [s]; without it, it goes on until it is stopped.
+        tolerance: How near the goal is near enough [m].
+        seed: What decides all that is random.
+        speed: How many times as fast as real time the plant runs.
+        patience: A process that has heard no plant for so long [s] ends.
+        port: The first of 128 ports that are the robot's; by default it follows from its name.
+        runs: The folder for what is recorded.
+        modules: A folder with classes of the user's own; by default the one of this file.
+        start: Where the robot stands at first.
+        plant: How the simulated robot behaves.
+        goal: The path that the goal takes; without one, an operator moves it.
+        agents: The agents, each with a process of its own.
+        chaos: What goes wrong on the way.
+    """
+
+    robot: Name
+    description: Description
+    period: Annotated[float, "s", Range(such_as="60 ms", above=0, most=10)]
+    duration: Annotated[float, "s", Range(such_as="24 s", above=0)] | None = None
+    tolerance: Annotated[float, "m", Range(such_as="3 mm", above=0)] = 0.003
+    seed: Annotated[int, Range(such_as="1", least=0)] = 1
+    speed: Annotated[float, Range(such_as="1", above=0)] = 1.0
+    patience: Annotated[float, "s", Range(such_as="10 s", above=0)] = 10.0
+    port: Annotated[Port, Derived(lambda scope: port_base(scope["robot"]))]
+    runs: Annotated[Path, Output(), Derived(lambda _: Path.cwd() / "runs")]
+    modules: Annotated[Path, Derived(lambda scope: scope["folder"])]
+    start: Start
+    plant: PlantSpec
+    goal: GoalSpec | None = None
+    agents: tuple[AgentSpec, ...]
+    chaos: tuple[ChaosEvent, ...] = ()
+
+    @property
+    def roles(self) -> tuple[str, ...]:
+        """All roles that have a process, in the order of their slots."""
+        goal = () if self.goal is None else ("goal",)
+        return ("plant", *goal, *(agent.role for agent in self.agents))
+
+    def slot(self, role: str) -> int:
+        """Return the role's place among the robot's ports, or raise `ConfigError`."""
+        if role not in self.roles:
+            raise ConfigError(f"nothing runs as {role!r}{valid_are(role, self.roles)}")
+        return self.roles.index(role)
+
+    def port_of(self, role: str) -> int:
+        """Return the port that the role's process listens on."""
+        return self.port + self.slot(role)
+
+    def agent(self, role: str) -> AgentSpec:
+        """Return the agent in that role, or raise `ConfigError`."""
+        agents = {agent.role: agent for agent in self.agents}
+        if role not in agents:
+            raise ConfigError(f"there is no agent {role!r}{valid_are(role, agents)}")
+        return agents[role]
+
+    def build_agent(self, role: str) -> Agent:
+        """Make the agent in that role; the seed and its slot decide what is random in it."""
+        seed = (self.seed, self.slot(role))
+        return self.agent(role).build(self.description.robot, self.period, seed)
+
+    def check(self, node: Node, scope: Scope) -> None:
+        """Refuse two agents in one role, more processes than ports, and chaos for nobody."""
+        first: dict[str, Node] = {}
+        for index, agent in enumerate(self.agents):
+            here = node.find("agents", index, "role")
+            if agent.role in first:
+                there = first[agent.role].place
+                raise here.error(f"there is an agent {agent.role} already, at {there}")
+            first[agent.role] = here
+        if len(self.roles) > FIRST_COPY:
+            what = f"{len(self.roles)} processes with plant and goal, of {FIRST_COPY} at most"
+            raise node.find("agents").error(what)
+        for index, event in enumerate(self.chaos):
+            if event.fault is None and event.target not in self.roles:
+                target = node.find("chaos", index, event.action)
+                hint = valid_are(event.target, self.roles)
+                raise target.error(f"nothing runs as {event.target!r}{hint}")
+
+    def dump(self) -> str:
+        """Return it as YAML that loads to an equal one from anywhere, with every default."""
+        plain = kind_of(Deployment).write(self)
+        text: str = yaml.safe_dump(plain, sort_keys=False, default_flow_style=None, width=100)
+        return text
+
+
+def load(
+    file: str | os.PathLike[str], overrides: Iterable[Override] = (), only_role: str | None = None
+) -> Deployment:
+    """Read a deployment file, with some values replaced.
+
+    With `only_role`, the classes of other roles are neither imported nor checked, which is what a
+    process in that role needs. Every mistake raises a `ConfigError` that names the file, line and
+    column, or the override, and says what would be valid.
+    """
+    root = read_file(file)
+    for override in overrides:
+        override.apply(root)
+    if root.value is None:
+        raise root.error("is empty; a deployment has at least robot, description, period, agents")
+    scope = {"folder": root.place.folder, "only_role": only_role}
+    deployment: Deployment = kind_of(Deployment).read(root, scope)
+    if only_role is not None:
+        deployment.slot(only_role)
+    return deployment

@@ -1,0 +1,224 @@
+"""The kinds of value that a file may hold: how each is read from a node, and written again."""
+
+import math
+import os
+import re
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from plant.units import Unit, UnitError, parse_quantity
+from runtime.config.tree import Node, valid_are
+
+Scope = Mapping[str, Any]
+"""What was read before a value, around it too, by attribute: what a default may follow from."""
+
+
+class Range(NamedTuple):
+    """Mark: the bounds of a number, in SI, and an example that lies within."""
+
+    such_as: str
+    above: float = -math.inf
+    least: float = -math.inf
+    most: float = math.inf
+
+    def check(self, value: float, node: Node, unit: str = "") -> None:
+        """Raise the node's error if `value`, in `unit`, is out of bounds."""
+        if self.above < value and self.least <= value <= self.most:
+            return
+        if value > self.most:
+            bound = f"at most {self.most:g} {unit}"
+        else:
+            bound = "positive" if self.above == 0 else f"at least {self.least:g} {unit}"
+        raise node.error(f"{node.text} must be {bound.strip()}, such as {self.such_as}")
+
+
+class Pattern(NamedTuple):
+    """Mark: what a whole text must match, what such a text is called, and an example."""
+
+    regex: str
+    what: str
+    such_as: str
+
+
+class Output(NamedTuple):
+    """Mark: a path to write to: it need not be there, and is relative to the current folder."""
+
+
+class Kind(ABC):
+    """What may be written for a value: how it is read, and how it is written again."""
+
+    @property
+    @abstractmethod
+    def such_as(self) -> str:
+        """An example, for messages."""
+
+    @abstractmethod
+    def read(self, node: Node, scope: Scope) -> Any:
+        """Return the value that `node` says, or raise its `ConfigError`."""
+
+    def write(self, value: Any) -> Any:
+        """Return plain data that reads as `value` again."""
+        return value
+
+
+@dataclass(frozen=True)
+class Quantity(Kind):
+    """A number with a unit; one without is SI."""
+
+    unit: Unit
+    range: Range | None
+
+    @property
+    def such_as(self) -> str:
+        """The example of its range, if it has one."""
+        return self.range.such_as if self.range else f"0 {self.unit}".removesuffix(" 1")
+
+    def read(self, node: Node, scope: Scope) -> float:
+        """Return the number in SI."""
+        try:
+            value = parse_quantity(node.text, self.unit)
+        except UnitError as error:
+            raise node.error(str(error)) from None
+        if self.range:
+            self.range.check(value, node, self.unit.removeprefix("1"))
+        return value
+
+    def write(self, value: Any) -> float | str:
+        """Return the number with its unit, exactly."""
+        return float(value) if self.unit == "1" else f"{float(value)!r} {self.unit}"
+
+
+@dataclass(frozen=True)
+class Whole(Kind):
+    """A whole number."""
+
+    range: Range | None
+
+    @property
+    def such_as(self) -> str:
+        """The example of its range, if it has one."""
+        return self.range.such_as if self.range else "1"
+
+    def read(self, node: Node, scope: Scope) -> int:
+        """Return the number."""
+        if not re.fullmatch("[+-]?[0-9]{1,99}", node.text):
+            raise node.error(f"{node.text!r} is not a whole number, such as {self.such_as}")
+        if self.range:
+            self.range.check(int(node.text), node)
+        return int(node.text)
+
+
+@dataclass(frozen=True)
+class Choice(Kind):
+    """One of a few words; several may mean the same."""
+
+    values: Mapping[str, Any]
+
+    @property
+    def such_as(self) -> str:
+        """The first of the words."""
+        return next(iter(self.values))
+
+    def read(self, node: Node, scope: Scope) -> Any:
+        """Return what the word means; one in capitals means the same."""
+        word = node.text if node.text in self.values else node.text.lower()
+        if word not in self.values:
+            raise node.error(f"{node.text!r} is no choice{valid_are(word, self.values)}")
+        return self.values[word]
+
+
+@dataclass(frozen=True)
+class Text(Kind):
+    """Text, which may have to match a pattern."""
+
+    pattern: Pattern | None
+
+    @property
+    def such_as(self) -> str:
+        """The example of its pattern, if it has one."""
+        return self.pattern.such_as if self.pattern else "text"
+
+    def read(self, node: Node, scope: Scope) -> str:
+        """Return the text as it was written."""
+        regex, what, _ = self.pattern or (".*", "text", "")
+        if not isinstance(node.value, str) or not re.fullmatch(regex, node.value, re.DOTALL):
+            raise node.error(f"{node.text!r} is not {what}, such as {self.such_as}")
+        return node.value
+
+
+@dataclass(frozen=True)
+class File(Kind):
+    """A path, relative to the file that says it; it must be there unless it is for output."""
+
+    output: bool
+
+    @property
+    def such_as(self) -> str:
+        """A path."""
+        return "runs" if self.output else "path.csv"
+
+    def read(self, node: Node, scope: Scope) -> Path:
+        """Return the absolute path."""
+        text = Text(Pattern(".+", "a path", self.such_as)).read(node, scope)
+        folder = Path.cwd() if self.output else node.place.folder
+        path = os.path.abspath(folder / os.path.expanduser(text))
+        if not self.output and not os.path.exists(path):
+            raise node.error(f"there is no file {path}")
+        return Path(path)
+
+    def write(self, value: Any) -> str:
+        """Return the path as text."""
+        return str(value)
+
+
+@dataclass(frozen=True)
+class Items(Kind):
+    """A list of values: one of each of `kinds`, or any number of the only one if `many`."""
+
+    kinds: tuple[Kind, ...]
+    many: bool
+
+    @property
+    def such_as(self) -> str:
+        """A list of examples."""
+        return f"[{', '.join(kind.such_as for kind in self.kinds)}]"
+
+    def read(self, node: Node, scope: Scope) -> tuple[Any, ...]:
+        """Return the values."""
+        if not isinstance(node.value, list):
+            raise node.error(f"{node.text!r} is not a list, such as {self.such_as}")
+        kinds = self._kinds(len(node.value))
+        if len(node.value) != len(kinds):
+            given, wanted = len(node.value), len(kinds)
+            raise node.error(f"{given} values given, {wanted} wanted, such as {self.such_as}")
+        return tuple(kind.read(n, scope) for kind, n in zip(kinds, node.value, strict=True))
+
+    def write(self, value: Any) -> list[Any]:
+        """Return the list."""
+        return [k.write(v) for k, v in zip(self._kinds(len(value)), value, strict=True)]
+
+    def _kinds(self, count: int) -> tuple[Kind, ...]:
+        return self.kinds * count if self.many else self.kinds
+
+
+@dataclass(frozen=True)
+class Maybe(Kind):
+    """A value, or null for None."""
+
+    kind: Kind
+
+    @property
+    def such_as(self) -> str:
+        """The value's example."""
+        return self.kind.such_as
+
+    def read(self, node: Node, scope: Scope) -> Any:
+        """Return the value, or None."""
+        return None if node.value is None else self.kind.read(node, scope)
+
+    def write(self, value: Any) -> Any:
+        """Return what the value is written as."""
+        return None if value is None else self.kind.write(value)

@@ -1,0 +1,85 @@
+"""A JSON schema of what files may say, made from the same annotations that read them."""
+
+import inspect
+import math
+import re
+from dataclasses import MISSING
+from typing import Any
+
+from runtime.config.kinds import Choice, Items, Kind, Maybe, Quantity, Range, Text, Whole
+from runtime.config.reading import Record, kind_of
+
+_NUMBER = r"([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?"
+
+
+def schema(annotation: Any) -> dict[str, Any]:
+    """Return the JSON schema (draft 2020-12) of what `kind_of(annotation)` reads.
+
+    It knows the shape, not what follows from other values or from the classes that are named.
+    """
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", **_of(kind_of(annotation))}
+
+
+def _of(kind: Kind) -> dict[str, Any]:
+    match kind:
+        case Quantity(_, bounds):
+            sign = r"\+?" if bounds and max(bounds.above, bounds.least) >= 0 else "[+-]?"
+            text = {"type": "string", "pattern": rf"^\s*{sign}{_NUMBER}(\s*[^0-9\s.+-]\S*)?\s*$"}
+            return {"anyOf": [{"type": "number", **_bounds(bounds)}, text]}
+        case Whole(bounds):
+            return {"type": "integer", **_bounds(bounds)}
+        case Choice(values) if all(isinstance(value, bool) for value in values.values()):
+            return {"type": "boolean"}
+        case Choice(values):
+            return {"enum": list(values)}
+        case Text(pattern) if pattern:
+            return {"type": "string", "pattern": f"^({pattern.regex})$"}
+        case Items(kinds, many=True):
+            return {"type": "array", "items": _of(kinds[0])}
+        case Items(kinds):
+            items = [_of(each) for each in kinds]
+            count = len(kinds)
+            return {"type": "array", "prefixItems": items, "minItems": count, "maxItems": count}
+        case Maybe(inner):
+            return {"anyOf": [_of(inner), {"type": "null"}]}
+        case Record():
+            return _object(kind)
+        case _:
+            return {"type": "string", "examples": [kind.such_as]}
+
+
+def _bounds(bounds: Range | None) -> dict[str, float]:
+    named = (
+        {
+            "exclusiveMinimum": bounds.above,
+            "minimum": bounds.least,
+            "maximum": bounds.most,
+        }
+        if bounds
+        else {}
+    )
+    return {name: bound for name, bound in named.items() if math.isfinite(bound)}
+
+
+def _object(kind: Record) -> dict[str, Any]:
+    doc = inspect.cleandoc(kind.type.__doc__ or "")
+    properties = {}
+    for field in kind.fields:
+        properties[field.key] = _of(field.kind) | _note(doc, field.name)
+        if field.default not in (MISSING, None):
+            properties[field.key]["default"] = field.kind.write(field.default)
+    result = {
+        "type": "object",
+        "description": doc.partition("\n")[0],
+        "properties": properties,
+        "required": [field.key for field in kind.fields if field.required],
+        "additionalProperties": kind.rest is not None,
+    }
+    one_of = getattr(kind.type, "one_of", ())
+    return result | ({"oneOf": [{"required": [key]} for key in one_of]} if one_of else {})
+
+
+def _note(doc: str, name: str) -> dict[str, str]:
+    """Return what the section `Attributes` of a docstring says of one of them."""
+    found = re.search(rf"^    {name}: (.*(?:\n {{5,}}.*)*)", doc, re.MULTILINE)
+    return {"description": " ".join(found[1].split())} if found else {}

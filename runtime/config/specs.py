@@ -1,0 +1,225 @@
+"""The parts of a deployment: what each may say, and what is checked about it."""
+
+import math
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, Self
+
+import numpy as np
+
+from agents.agent import Agent, Body
+from agents.paths import Path as GoalPath
+from plant import urdf
+from plant.errors import MsmaError
+from plant.faults import Fault
+from plant.robot import Robot
+from runtime.config.classes import AgentClass, PathClass, blame
+from runtime.config.kinds import Pattern, Range, Scope, Text
+from runtime.config.reading import Derived, Rest
+from runtime.config.tree import Node, valid_are
+
+Role = Annotated[str, Pattern("[a-z][a-z0-9_-]*(/[0-9]+)?", "a role", "joint/1")]
+Host = Annotated[str, Pattern("[A-Za-z0-9][A-Za-z0-9._-]*", "a host's name", "local")]
+Metres = Annotated[float, "m"]
+Radians = Annotated[float, "rad"]
+
+
+@dataclass(frozen=True)
+class Description:
+    """A robot and where its description comes from: the name of one of ours, or a path."""
+
+    source: str
+    robot: Robot = field(compare=False, repr=False)
+
+    such_as: ClassVar[str] = "arph"
+
+    @classmethod
+    def from_node(cls, node: Node, scope: Scope) -> Self:
+        """Load the robot; a path is relative to the file that says it."""
+        source = Text(None).read(node, scope)
+        if Path(source).suffix or os.sep in source:
+            source = os.path.abspath(node.place.folder / os.path.expanduser(source))
+        try:
+            return cls(source, urdf.load(source))
+        except (OSError, ValueError) as error:
+            raise node.error(str(error)) from error
+
+    def __str__(self) -> str:
+        return self.source
+
+
+def _rest(scope: Scope) -> Any:
+    return scope["class_"].parameters
+
+
+def _home(scope: Scope) -> tuple[float, ...]:
+    robot = scope["description"].robot
+    return tuple(np.clip(np.zeros(robot.n), robot.lower, robot.upper).tolist())
+
+
+def _origin(scope: Scope) -> tuple[float, float, float] | None:
+    return (0.0, 0.0, 0.0) if scope["description"].robot.drive else None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Start:
+    """Where the robot stands at first.
+
+    Attributes:
+        joints: Angle of each joint [rad]; by default 0, or the nearest to it within the limits.
+        platform: x [m], y [m] and heading [rad] in the world; None for a robot without a drive.
+    """
+
+    joints: Annotated[tuple[Radians, ...], Derived(_home)]
+    platform: Annotated[tuple[Metres, Metres, Radians] | None, Derived(_origin)]
+
+    @property
+    def base(self) -> tuple[float, float, float]:
+        """Where the base stands: x [m], y [m] and heading [rad] in the world."""
+        return self.platform or (0.0, 0.0, 0.0)
+
+    def check(self, node: Node, scope: Scope) -> None:
+        """Refuse a posture that the robot cannot take."""
+        robot: Robot = scope["description"].robot
+        if len(self.joints) != robot.n:
+            wanted = f"{robot.n} wanted: {', '.join(joint.name for joint in robot.joints)}"
+            raise node.find("joints").error(f"{len(self.joints)} angles given, {wanted}")
+        for index, (angle, joint) in enumerate(zip(self.joints, robot.joints, strict=True)):
+            if not joint.lower <= angle <= joint.upper:
+                written = node.find("joints", index)
+                lower, upper = (f"{math.degrees(x):.5g} deg" for x in (joint.lower, joint.upper))
+                what = f"{written.text} is outside the limits of {joint.name}"
+                raise written.error(f"{what}, {lower} to {upper}")
+        if self.platform is not None and robot.drive is None:
+            raise node.find("platform").error(f"{robot.name} stands on no platform; leave it out")
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlantSpec:
+    """How the simulated robot behaves.
+
+    Attributes:
+        hold: A command older than this [s] counts no more: the joint is brought to rest.
+            By default 4 periods.
+    """
+
+    hold: Annotated[
+        float, "s", Range(such_as="240 ms", above=0), Derived(lambda scope: 4 * scope["period"])
+    ]
+
+    def check(self, node: Node, scope: Scope) -> None:
+        """Refuse a hold that ends before the next command can come."""
+        period = scope["period"]
+        if self.hold < period:
+            hold = node.find("hold")
+            raise hold.error(f"{hold.text} is shorter than the period, {period:g} s")
+
+
+@dataclass(frozen=True, kw_only=True)
+class GoalSpec:
+    """The path that the goal takes.
+
+    Attributes:
+        class_: A class of paths, `module:Class`; its parameters are given beside it.
+        parameters: Those parameters in SI, with the defaults.
+    """
+
+    class_: PathClass
+    parameters: Annotated[Mapping[str, Any], Rest(_rest)]
+
+    def build(self) -> GoalPath:
+        """Make the path."""
+        path: GoalPath = self.class_.make(**self.parameters)
+        return path
+
+    def check(self, node: Node, scope: Scope) -> None:
+        """Refuse parameters that the class refuses."""
+        if self.class_.is_loaded:
+            blame(node, self.build)
+
+
+@dataclass(frozen=True, kw_only=True)
+class AgentSpec:
+    """One agent.
+
+    Attributes:
+        role: What it moves: joint/1, joint/2 and so on, or platform.
+        class_: A class of agents, `module:Class`; its parameters are given beside it.
+        host: Where it runs.
+        parameters: Those parameters in SI, with the defaults; as written if the class was not
+            loaded, being another role's.
+    """
+
+    role: Role
+    class_: AgentClass
+    host: Host = "local"
+    parameters: Annotated[Mapping[str, Any], Rest(_rest)]
+
+    @property
+    def joint(self) -> int | None:
+        """Index from 0 of the joint that it moves, None for the platform."""
+        _, numbered, number = self.role.partition("/")
+        return int(number) - 1 if numbered else None
+
+    def build(self, robot: Robot, period: float, seed: Sequence[int]) -> Agent:
+        """Make the agent, as a part of that robot, with a control period [s]."""
+        body = Body(robot, self.joint, period, np.random.default_rng(seed))
+        agent: Agent = self.class_.make(body, **self.parameters)
+        return agent
+
+    def check(self, node: Node, scope: Scope) -> None:
+        """Refuse a role that the robot has no part for, and parameters that the class refuses."""
+        robot: Robot = scope["description"].robot
+        valid = [f"joint/{index + 1}" for index in range(robot.n)]
+        if robot.drive:
+            valid.append("platform")
+        if self.role not in valid:
+            what = f"{robot.name} has no {self.role!r} to move"
+            raise node.find("role").error(f"{what}{valid_are(self.role, valid)}")
+        if self.class_.is_loaded:
+            blame(node, lambda: self.build(robot, scope["period"], [0]))
+
+
+@dataclass(frozen=True, kw_only=True)
+class ChaosEvent:
+    """Something that goes wrong on purpose: one of the four, at a time.
+
+    Attributes:
+        at: Plant time [s].
+        kill: The role whose process is killed.
+        stop: The role whose process is stopped.
+        revive: The role whose process is started again.
+        fault: What breaks in the robot, such as joint/1:locked.
+    """
+
+    at: Annotated[float, "s", Range(such_as="5 s", least=0)]
+    kill: Role | None = None
+    stop: Role | None = None
+    revive: Role | None = None
+    fault: str | None = None
+
+    one_of: ClassVar[tuple[str, ...]] = ("kill", "stop", "revive", "fault")
+
+    @property
+    def action(self) -> str:
+        """Which of the four."""
+        return next(action for action in self.one_of if getattr(self, action) is not None)
+
+    @property
+    def target(self) -> str:
+        """The role, or the fault as text."""
+        target: str = getattr(self, self.action)
+        return target
+
+    def check(self, node: Node, scope: Scope) -> None:
+        """Refuse an event that cannot happen."""
+        if scope["duration"] is not None and self.at >= scope["duration"]:
+            at, end = node.find("at"), f"{scope['duration']:g} s"
+            raise at.error(f"{at.text} is not before the end of the run, {end}")
+        if self.fault is not None:
+            try:
+                Fault.parse(self.fault, scope["description"].robot)
+            except MsmaError as error:
+                raise node.find("fault").error(str(error)) from error

@@ -1,0 +1,36 @@
+"""What is done once a run is over: judge it, write the summary, draw the picture."""
+
+from pathlib import Path
+
+from runtime.config.deployment import Deployment
+from runtime.launching.launcher import Course
+from runtime.launching.record import Record, RecordError, read_record
+from runtime.launching.summary import Summary, summarise, write
+from runtime.launching.verdict import judge
+
+PICTURE = "path.png"
+
+
+def close(deployment: Deployment, run: Path, course: Course) -> tuple[Summary, str]:
+    """Leave `summary.json` and a picture in the run's folder.
+
+    Returns: the summary, and a line about the picture.
+    """
+    try:
+        record = read_record(run)
+    except RecordError:
+        record = None
+    verdict = None if record is None else judge(record, deployment)
+    summary = summarise(deployment, run, course, record, verdict)
+    write(summary)
+    return summary, "" if record is None else _draw(record, deployment, summary)
+
+
+def _draw(record: Record, deployment: Deployment, summary: Summary) -> str:
+    try:
+        from runtime.launching.plots import draw
+    except ImportError:
+        return "  no picture without matplotlib: pip install 'msma[plots]'"
+    file = summary.run / PICTURE
+    draw(record, deployment, summary.happenings, file)
+    return f"  picture: {file}"

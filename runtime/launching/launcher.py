@@ -1,0 +1,199 @@
+"""The launcher: it starts the processes of a run, shows them, does what chaos wants, and judges.
+
+No process needs it: once they run, it may be killed and nobody notices.
+"""
+
+import signal
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from runtime.config.deployment import Deployment
+from runtime.config.specs import ChaosEvent
+from runtime.launching.children import Children, Ended
+from runtime.launching.failures import RunError
+from runtime.launching.schedule import ALL_MEANS, FORCE, Escalation, Means, Schedule
+from runtime.launching.watcher import View, Watcher
+from runtime.processes.ending import Ending
+from runtime.processes.journal import Journal, new_run_folder
+from runtime.processes.life import Life
+from runtime.wire.bus import Bus
+from runtime.wire.mesh import visitor
+
+if TYPE_CHECKING:
+    from runtime.launching.screen import (
+        Screen,  # imports rich: not before the processes are started
+    )
+
+_TURN = 0.02  # [s] between two looks at children and plant time
+_FRAME = 0.25  # [s] between two pictures
+_AMPLE = 2.0  # [s] for processes to end by themselves when the run is over
+_ANSWER = 0.5  # [s] to wait for the answer to a request
+
+
+class Happening(NamedTuple):
+    """Something that happened at plant time `t` [s]."""
+
+    t: float
+    text: str
+
+
+class Course(NamedTuple):
+    """How a run went, as the launcher saw it.
+
+    code: 130 if it was interrupted, else 0
+    reason: why it ended
+    view: what was to be seen last of the processes, while they lived
+    happenings: what nobody else logs: how processes ended, and what was tried in vain
+    """
+
+    code: int
+    reason: str
+    view: View
+    happenings: tuple[Happening, ...]
+
+
+def prepare(deployment: Deployment) -> Path:
+    """Make the folder of a run, with the deployment as resolved in it, and return it."""
+    try:
+        run = new_run_folder(deployment.runs, deployment.robot).absolute()
+        (run / "deployment.yaml").write_text(deployment.dump(), encoding="utf-8")
+    except OSError as error:
+        raise RunError(f"the folder of the run cannot be written: {error}") from None
+    return run
+
+
+class Launcher:
+    """Starts the processes of a run and stays with it to its end.
+
+    make_screen: called once the processes are started, for what it imports takes time
+    """
+
+    def __init__(
+        self, deployment: Deployment, run: Path, make_screen: "Callable[[], Screen]"
+    ) -> None:
+        self._deployment = deployment
+        self._make_screen = make_screen
+        self._ending = Ending()
+        self._run = str(run)
+        self._children = Children(run)
+        self._journal = Journal(run, "launcher")
+        self._schedule = Schedule(deployment.chaos)
+        self._happenings: list[Happening] = []
+        self._starting = set(deployment.roles)
+
+    def go(self) -> Course:
+        """Go through with the run; `RunError` if a process does not start.
+
+        Whatever happens, no process that was started is left when this returns.
+        """
+        self._ending.catch_signals()
+        try:
+            self._children.start(self._deployment.roles)
+            with self._visit() as bus:
+                self._watcher = Watcher(bus)
+                self._screen = self._make_screen()
+                try:
+                    self._stay()
+                    self._finish()
+                finally:
+                    self._screen.close()
+        finally:
+            self._end(Escalation(time.monotonic(), FORCE))
+            self._journal.close()
+            self._children.drop_empty_outputs()
+        return Course(
+            self._ending.code, self._ending.reason or "", self._view, tuple(self._happenings)
+        )
+
+    def _visit(self) -> Bus:
+        deployment = self._deployment
+        place = visitor(deployment.port, len(deployment.roles))
+        return Bus(deployment.robot, "launcher", place, incarnation=0)
+
+    def _stay(self) -> None:
+        """Watch until the run is over, nothing is left of it, or somebody interrupts it."""
+        deployment, now = self._deployment, time.monotonic()
+        life = Life(
+            patience=deployment.patience,
+            duration=deployment.duration,
+            speed=deployment.speed,
+            now=now,
+        )
+        self._view, frame = self._watcher.look(), now
+        while self._children and not self._ending.wait(_TURN):
+            now, before = time.monotonic(), self._view.t
+            self._view = self._watcher.look()
+            if self._view.t != before:
+                life.plant_heard(self._view.t, now)
+            self._starting -= {
+                row.role for row in self._view.rows if row.diag and row.diag.run == self._run
+            }
+            for ended in self._children.ended():
+                self._note_end(ended)
+            for event in self._schedule.due(min(before, self._view.t)):  # not by one wrong t
+                self._carry_out(event)
+            if now >= frame:
+                frame = now + _FRAME
+                self._screen.show(self._view)
+                self._journal.flush()
+            if life.over(now) or life.forlorn(now):
+                return
+
+    def _note_end(self, ended: Ended) -> None:
+        if ended.role in self._starting and ended.code:
+            raise RunError(f"{ended.role} did not start: {ended.said or ended.how}")
+        if ended.code:
+            self._happened(f"{ended.role} {ended.how}", pid=ended.pid, code=ended.code)
+
+    def _carry_out(self, event: ChaosEvent) -> None:
+        """Do what the schedule wants, and say what came of it."""
+        role = event.target
+        if event.action == "kill":
+            self._starting.discard(role)
+            if not self._children.kill(role):
+                self._happened(f"{role} is not there to be killed")
+        elif event.action == "stop":
+            answers = self._watcher.stop(role, _ANSWER)
+            self._happened(f"{role} {'is asked to stop' if answers else 'does not hear of a stop'}")
+        elif event.action == "revive":
+            self._children.revive(role)
+            self._screen.happened(self._view.t, f"{role} is started again")
+        else:
+            answers = self._watcher.fault(event.target, _ANSWER)
+            if answers and answers[0].agreed:
+                self._screen.happened(self._view.t, f"fault {event.target}")
+            else:
+                why = answers[0].data.decode(errors="replace") if answers else "no plant heard it"
+                self._happened(f"no fault {event.target}: {why}")
+
+    def _finish(self) -> None:
+        """Give the processes time to end by themselves, unless interrupted, and then end them."""
+        interrupted = self._ending.reason is not None
+        means = FORCE if self._starting else ALL_MEANS  # others may have the name, and run
+        began = time.monotonic() + (0.0 if interrupted else _AMPLE)
+        for ended in self._end(Escalation(began, means)):
+            if ended.code:
+                self._happened(f"{ended.role} {ended.how}", pid=ended.pid, code=ended.code)
+        self._ending.ask("the run is over")
+
+    def _end(self, escalation: Escalation) -> list[Ended]:
+        """Wait until no process is left, and return how they ended; kill at a second Ctrl-C."""
+        all_ended = []
+        signal.signal(signal.SIGINT, lambda *_: self._children.signal(signal.SIGKILL))
+        while self._children:
+            for means in escalation.due(time.monotonic()):
+                if means is Means.ASK:
+                    self._watcher.stop("**", _ANSWER)
+                else:
+                    self._children.signal(signal.Signals[means.value])
+            all_ended += self._children.ended()
+            time.sleep(_TURN)
+        return all_ended
+
+    def _happened(self, text: str, **more: object) -> None:
+        t = self._view.t
+        self._happenings.append(Happening(t, text))
+        self._journal.write(t, "happened", what=text, **more)
+        self._screen.happened(t, text)

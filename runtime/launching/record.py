@@ -1,0 +1,80 @@
+"""What the plant logged of a run: the truth, which no process sees while it runs."""
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from agents.agent import Array
+from plant.errors import MsmaError
+from runtime.wire.keys import PLANT, file_name
+
+
+class RecordError(MsmaError, ValueError):
+    """A log from which nothing can be learned of the run."""
+
+
+@dataclass(frozen=True)
+class Record:
+    """The plant's log, from its last start on.
+
+    Attributes:
+        t: (m,) plant time [s].
+        wall: (m,) the time of day [s].
+        hand: (m, 3) grip point in the world [m].
+        q: (m, n) joint angles [rad].
+        base: (m, 3) x, y [m] and heading [rad] in the world.
+        base_velocity: (m, 2) linear [m/s] and angular [rad/s].
+        events: All other lines, as they were written.
+    """
+
+    t: Array
+    wall: Array
+    hand: Array
+    q: Array
+    base: Array
+    base_velocity: Array
+    events: Sequence[Mapping[str, Any]]
+
+    def t_at(self, wall: float) -> float:
+        """Return what plant time it was at a time of day [s]."""
+        return float(np.interp(wall, self.wall, self.t))
+
+    @property
+    def end(self) -> Mapping[str, Any]:
+        """The line of the plant's end, empty if it was killed."""
+        return next((event for event in self.events if event["event"] == "end"), {})
+
+
+def read_log(run: Path, role: str) -> list[dict[str, Any]]:
+    """Return the lines of a process's log; a line cut short by a kill is left out."""
+    lines = []
+    try:
+        with (run / f"{file_name(role)}.jsonl").open(encoding="utf-8", errors="replace") as stream:
+            for line in stream:
+                try:
+                    lines.append(json.loads(line))
+                except ValueError:
+                    continue
+    except FileNotFoundError:
+        return []
+    return lines
+
+
+def read_record(run: Path) -> Record:
+    """Read the plant's log in a run's folder, or raise `RecordError` if it never moved."""
+    lines = read_log(run, PLANT)
+    starts = [index for index, line in enumerate(lines) if line["event"] == "start"]
+    if starts:
+        lines = lines[starts[-1] :]
+    ticks = [line for line in lines if line["event"] == "tick"]
+    if not ticks:
+        raise RecordError(f"the plant logged no motion in {run / file_name(PLANT)}.jsonl")
+    arrays = {
+        name: np.array([tick[name] for tick in ticks], dtype=np.float64)
+        for name in ("t", "wall", "hand", "q", "base", "base_velocity")
+    }
+    return Record(**arrays, events=[line for line in lines if line["event"] != "tick"])

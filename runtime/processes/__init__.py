@@ -1,0 +1,1 @@
+"""The processes of a robot: plant, goal source and agents."""

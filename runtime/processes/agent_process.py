@@ -1,0 +1,92 @@
+"""An agent's process: perceive, decide, tell; as often as the plant tells its state."""
+
+import time
+import traceback
+
+import numpy as np
+
+from agents.agent import Agent, Array
+from runtime.processes.process import Loop, Process
+from runtime.processes.senses import Senses
+from runtime.wire import keys
+from runtime.wire.messages import JointCommand, PlatformCommand
+
+_AT_ONCE = 16  # messages of one kind that are looked at before a decision, however many wait
+
+
+def freshness(period: float, speed: float) -> float:
+    """Return how long state is worth perceiving [s], for a plant's `period` [s] and speed."""
+    return max(3 * period / speed, 0.05)
+
+
+class AgentLoop(Loop):
+    """Lets an agent decide each time the plant has told its state, and sends its command.
+
+    What the agent gets wrong (an exception, no finite numbers) is counted and logged once of
+    each kind, and nothing is sent.
+    """
+
+    def __init__(self, process: Process, agent: Agent) -> None:
+        super().__init__()
+        deployment, bus = process.deployment, process.bus
+        self._process, self._agent = process, agent
+        self._joint = deployment.agent(process.role).joint
+        self._shape = (2,) if self._joint is None else ()
+        fresh = freshness(deployment.period, deployment.speed)
+        self._senses = Senses(deployment.description.robot, fresh, process.refusals)
+        self._board = bus.ring(keys.BLACKBOARD)
+        self._rest = [bus.ring(keys.GOAL), bus.ring(keys.PLATFORM)]
+        command = keys.PLATFORM_COMMAND
+        if self._joint is not None:
+            command = keys.joint_command(self._joint + 1)
+        self._out = bus.publisher(command)
+
+    @property
+    def perception(self) -> str:
+        """What the agent says it goes by."""
+        return str(self._agent.perception)
+
+    def run(self) -> None:
+        """React to the plant until the bus is closed."""
+        while True:
+            arrival = self._board.recv()
+            now = time.monotonic()
+            due = self._senses.take(arrival, now)
+            for arrival in self._board.waiting(_AT_ONCE):
+                due = self._senses.take(arrival, now) or due
+            if due:
+                self._turn(now)
+                self.work.add(time.monotonic() - now)
+
+    def _turn(self, now: float) -> None:
+        for ring in self._rest:
+            for arrival in ring.waiting(_AT_ONCE):
+                self._senses.take(arrival, now)
+        percepts = self._senses.percepts(now)
+        if percepts is None:
+            return
+        process = self._process
+        process.t = t = percepts.t
+        if process.life:
+            process.life.plant_heard(t, now)
+        self.state = "runs" if percepts.goal is not None else "waits for a goal"
+        try:
+            decided = self._agent.decide(percepts)
+            wanted = None if decided is None else np.asarray(decided, dtype=np.float64)
+        except Exception as error:  # an agent may be anybody's
+            process.refusals.count("decide", type(error).__name__, traceback.format_exc())
+            return
+        if wanted is not None:
+            self._tell(t, wanted)
+
+    def _tell(self, t: float, wanted: Array) -> None:
+        """Send the velocity wanted in answer to the state of `t` [s]."""
+        if wanted.shape != self._shape:
+            reason = f"a command of shape {wanted.shape}"
+            self._process.refusals.count("decide", reason, f"wanted {self._shape}")
+        elif not np.isfinite(wanted).all():
+            self._process.refusals.count("decide", "a command that is not finite")
+        elif self._joint is None:
+            self._out.send(PlatformCommand(t, float(wanted[0]), float(wanted[1])))
+        else:
+            self._out.send(JointCommand(t, float(wanted)))

@@ -1,0 +1,52 @@
+"""The goal source: it tells which piece of its path is in force, by the plant's time."""
+
+import time
+
+from agents.paths import Path
+from runtime.processes.agent_process import freshness
+from runtime.processes.process import Loop, Process
+from runtime.wire import keys
+from runtime.wire.ear import Ear
+from runtime.wire.fields import LIMIT
+from runtime.wire.messages import GoalMessage, JointStates
+
+_SHORTEST = 0.01  # [s] between two messages, however fast the plant is
+
+
+class GoalLoop(Loop):
+    """Leads the goal along a path, once a control period but 100 times a second at most."""
+
+    def __init__(self, process: Process, path: Path) -> None:
+        super().__init__()
+        deployment = process.deployment
+        self._process, self._path = process, path
+        self._ring = process.bus.ring(keys.JOINTS)
+        fresh = freshness(deployment.period, deployment.speed)
+        self._plant = Ear(keys.JOINTS, JointStates, fresh, process.refusals)
+        self._out = process.bus.publisher(keys.GOAL)
+        self._next = 0.0
+
+    def run(self) -> None:
+        """React to the plant until the bus is closed."""
+        while True:
+            arrival = self._ring.recv()
+            now = time.monotonic()
+            states = self._plant.take(arrival.data, now)
+            if states is not None and now >= self._next:
+                self._next = now + 0.9 * _SHORTEST
+                self._turn(now)
+                self.work.add(time.monotonic() - now)
+
+    def _turn(self, now: float) -> None:
+        states = self._plant.fresh(now)
+        if states is None:
+            return
+        process = self._process
+        process.t = t = states.t
+        if process.life:
+            process.life.plant_heard(t, now)
+        self.state = "runs" if t < self._path.end else "has reached the end of its path"
+        goal = self._path.piece(t)
+        position, velocity = goal.position.tolist(), goal.velocity.tolist()
+        until = min(goal.until, LIMIT)
+        self._out.send(GoalMessage(t, tuple(position), tuple(velocity), goal.since, until))

@@ -1,0 +1,50 @@
+"""How a process finds its place among the others of its robot, and the run they are in."""
+
+import time
+from pathlib import Path
+
+from runtime.config.deployment import Deployment
+from runtime.wire import keys
+from runtime.wire.bus import Bus, BusError
+from runtime.wire.fields import MessageError
+from runtime.wire.mesh import seat
+from runtime.wire.messages import Diag, unpack
+from runtime.wire.ports import FIRST_COPY, SLOTS
+
+_SEARCH = 0.6  # [s] in which those who dial us have found us
+
+
+def join(deployment: Deployment, role: str, incarnation: int, *, copy: bool = False) -> Bus:
+    """Return the role's place on the bus, or `BusError` if it is taken.
+
+    A copy, which stands by for a role that runs already, takes the first free place of those
+    for copies.
+    """
+    slots = len(deployment.roles)
+    if not copy:
+        place = seat(deployment.port, deployment.slot(role), slots)
+        return Bus(deployment.robot, role, place, incarnation)
+    for slot in range(FIRST_COPY, SLOTS):
+        try:
+            return Bus(deployment.robot, role, seat(deployment.port, slot, slots), incarnation)
+        except BusError as error:
+            taken = error
+    raise taken
+
+
+def run_of_others(bus: Bus) -> Path | None:
+    """Return the folder of the run that the other processes on the bus are in, if it is here."""
+    until = time.monotonic() + _SEARCH
+    while time.monotonic() < until:
+        runs = {}
+        for answer in bus.ask(keys.EVERY_DIAG, timeout=_SEARCH):
+            try:
+                diag = unpack(Diag, answer.data)
+            except MessageError:
+                continue
+            runs[diag.role] = Path(diag.run)
+        if runs:
+            told = [runs[keys.PLANT]] if keys.PLANT in runs else []
+            return next((run for run in [*told, *runs.values()] if run.is_dir()), None)
+        time.sleep(0.05)
+    return None

@@ -1,0 +1,144 @@
+"""The plant's process: the simulated robot in real time, which tells its state each period."""
+
+import time
+from collections import deque
+from collections.abc import Mapping
+
+import numpy as np
+
+from plant.errors import MsmaError
+from plant.faults import Fault
+from plant.simulator import Simulator
+from runtime.processes.agent_process import freshness
+from runtime.processes.answers import Answers
+from runtime.processes.ending import FAILED
+from runtime.processes.orders import EXPRESSIONS, Orders
+from runtime.processes.pacer import Pacer
+from runtime.processes.process import Loop, Process
+from runtime.processes.telling import Teller, Truth
+from runtime.wire import keys
+from runtime.wire.fields import Spread
+
+_FAREWELL = 0.5  # [s] for which the last state is told, so that everybody learns of the end
+
+
+class PlantLoop(Loop):
+    """Integrates the robot at its period, by the commands in force, and tells its state.
+
+    Its time starts with the first valid command and stands still while the process is stopped.
+    """
+
+    def __init__(self, process: Process) -> None:
+        super().__init__()
+        deployment = process.deployment
+        robot = deployment.description.robot
+        self._process = process
+        self._period, self._speed = deployment.period, deployment.speed
+        self._duration = deployment.duration
+        self._simulator = Simulator(
+            robot,
+            np.array(deployment.start.joints),
+            None if deployment.start.platform is None else np.array(deployment.start.platform),
+            period=self._period,
+            rng=np.random.default_rng([deployment.seed, deployment.slot(process.role)]),
+        )
+        self._orders = Orders(
+            robot,
+            hold=deployment.plant.hold,
+            fresh=freshness(self._period, self._speed) * self._speed,
+            refusals=process.refusals,
+        )
+        self._answers = Answers(self._period)
+        self._teller = Teller(process.bus, self._simulator)
+        self._truth = Truth(self._simulator)
+        self._faults: deque[Fault] = deque()
+        self._tray = process.bus.tray(*EXPRESSIONS)
+        process.bus.answer(keys.FAULT, self._on_fault)
+        process.life = None  # it is the plant, so it waits for none
+        self.state = "waits for the agents"
+
+    def answers(self) -> Mapping[str, Spread]:
+        """Return how long each agent takes to answer."""
+        return self._answers.spreads()
+
+    def run(self) -> None:
+        """Move in real time until the run's duration is over."""
+        pacer = Pacer(self._period / self._speed)
+        self._wait_for_the_first_command(pacer)
+        if self._ended():
+            return
+        self.state = "runs"
+        self._note_truth([])
+        while not self._ended():
+            if self._duration is not None and self._process.t >= self._duration - 1e-9:
+                self._take_leave()
+                return
+            now = pacer.wait(self._ended)
+            self._turn(now)
+            self.work.add(time.monotonic() - now)
+
+    def _ended(self) -> bool:
+        return self._process.ending.reason is not None
+
+    def _wait_for_the_first_command(self, pacer: Pacer) -> None:
+        """Tell the state of time 0 until somebody answers it."""
+        patience = self._process.deployment.patience
+        began = now = time.monotonic()
+        while not self._ended() and not self._take_orders(now):
+            if now - began > patience:
+                self._process.ending.ask(f"no agent said anything for {patience:g} s", FAILED)
+                return
+            self._inject_faults()
+            self._teller.tell()
+            self._answers.told(0.0, now)
+            now = pacer.wait(self._ended)
+
+    def _turn(self, now: float) -> None:
+        """Move for one period, and tell the state that this leads to."""
+        self._take_orders(now)
+        self._inject_faults()
+        commands, ages = self._orders.in_force(self._process.t)
+        self._process.t = self._simulator.step(commands).t
+        self._answers.told(self._process.t, time.monotonic())
+        self._teller.tell()
+        self._note_truth(ages)
+
+    def _take_orders(self, now: float) -> bool:
+        """Judge all that came until `now` [s]; tell whether any of it was sound."""
+        any_sound = False
+        t = self._process.t
+        for arrived, arrival in self._tray.take():
+            ago = min(max((now - arrived) * self._speed, 0.0), self._period)
+            answered = self._orders.take(arrival, max(t - ago, 0.0))
+            if answered is not None:
+                any_sound = True
+                self._answers.heard(answered.role, answered.t, arrived)
+        return any_sound
+
+    def _on_fault(self, text: bytes) -> bytes:
+        """Take a fault in its text form, in a thread of the bus; `FaultError` if it is none."""
+        robot = self._simulator.robot
+        self._faults.append(Fault.parse(text.decode(errors="replace"), robot))
+        return b"ok"
+
+    def _inject_faults(self) -> None:
+        while self._faults:
+            fault = self._faults.popleft()
+            try:
+                self._simulator.inject(fault)
+            except MsmaError as error:
+                self._process.journal.write(self._process.t, "fault refused", why=str(error))
+            else:
+                self._process.journal.write(self._process.t, "fault", fault=str(fault))
+
+    def _note_truth(self, ages: list[float | None]) -> None:
+        self._process.journal.line(self._truth.line(ages))
+
+    def _take_leave(self) -> None:
+        """Go on telling the last state for a moment."""
+        self.state = "has reached the end"
+        pacer = Pacer(min(self._period / self._speed, _FAREWELL / 10))
+        until = time.monotonic() + _FAREWELL
+        while pacer.wait(self._ended) < until and not self._ended():
+            self._teller.tell()
+        self._process.ending.ask("the run is over")

@@ -1,0 +1,194 @@
+"""What the processes of all roles have in common: a place on the bus, a log, and an end."""
+
+import os
+import secrets
+import signal
+import socket
+import sys
+import threading
+import time
+import traceback
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from runtime.config.deployment import Deployment
+from runtime.processes.ending import FAILED, Ending
+from runtime.processes.journal import Journal, new_run_folder
+from runtime.processes.life import Life
+from runtime.processes.meters import Durations, Rate
+from runtime.processes.places import join, run_of_others
+from runtime.wire import keys
+from runtime.wire.bus import BusError
+from runtime.wire.fields import Spread
+from runtime.wire.messages import Diag, pack, stamp
+from runtime.wire.refusals import Refusals
+
+_CHECK = 0.25  # [s] between two looks of the watchdog
+_FLUSH, _REPORT = 2, 4  # looks from one flush of the log, one diag to the next
+_LAST_RESORT = 3.0  # [s] after which a process whose bus does not close is ended by the system
+
+
+class Loop(ABC):
+    """What a process does all its life; each kind of role has its own.
+
+    work: how long each turn took
+    state: in a few words what it is doing, for people to see
+    """
+
+    def __init__(self) -> None:
+        self.work = Durations()
+        self.state = "waits for the plant"
+
+    @property
+    def perception(self) -> str:
+        """What it goes by."""
+        return "none"
+
+    def answers(self) -> Mapping[str, Spread]:
+        """Return how long others take to answer, by role."""
+        return {}
+
+    @abstractmethod
+    def run(self) -> None:
+        """Go on until there is no more to do, or `BusError` says that the end has come."""
+
+
+class Process:
+    """One process: on the bus from its making to the end of its `with` block.
+
+    t: plant time last heard or made [s]
+    life: when it has no more reason to go on; None if its loop judges alone
+    run: the folder of its log
+    """
+
+    def __init__(
+        self,
+        deployment: Deployment,
+        role: str,
+        file: Path,
+        run: Path | None = None,
+        *,
+        copy: bool = False,
+    ) -> None:
+        sys.setswitchinterval(0.0005)  # [s], or a busy thread makes the loop wait 5 ms
+        self.deployment, self.role, self.file = deployment, role, file.absolute()
+        self.ending = Ending()
+        self.refusals = Refusals(self._note_refused)
+        self.t = 0.0
+        self.life: Life | None = Life(
+            patience=deployment.patience,
+            duration=deployment.duration,
+            speed=deployment.speed,
+            now=time.monotonic(),
+        )
+        self._rate = 0.0
+        self._n = 0
+        self.bus = join(deployment, role, secrets.randbits(63), copy=copy)
+        try:
+            found = run or run_of_others(self.bus)
+            self.run = (found or new_run_folder(deployment.runs, deployment.robot)).absolute()
+            self.journal = Journal(self.run, role)
+        except BaseException:
+            self.bus.close()
+            raise
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.bus.close()
+        self.journal.close()
+
+    def live(self, loop: Loop) -> int:
+        """Go through with the loop, in the main thread, and return the exit code."""
+        self.ending.catch_signals()
+        self.journal.write(self.t, "start", role=self.role, pid=os.getpid())
+        self.journal.flush()
+        self.bus.answer(keys.stop(self.role), self._stop)
+        self.bus.answer(keys.diag(self.role), lambda _: self._diag_bytes(loop))
+        self.bus.announce(self.role)
+        watchdog = threading.Thread(target=self._watch, args=(loop,), name="watchdog")
+        watchdog.start()
+        try:
+            loop.run()
+            self.ending.ask("there is no more to do")
+        except BusError as error:
+            self.ending.ask(str(error), FAILED)
+        except Exception as error:
+            self._note_crash(error)
+        watchdog.join()
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        return self.ending.code
+
+    def _watch(self, loop: Loop) -> None:
+        """Look after the process until there is a reason to end it, then close the bus."""
+        try:
+            self._look_after(loop)
+        except Exception as error:  # without a watchdog nothing may go on
+            self._note_crash(error)
+        self.journal.write(self.t, "end", reason=self.ending.reason, code=self.ending.code)
+        self.journal.flush()
+        signal.setitimer(signal.ITIMER_REAL, _LAST_RESORT)
+        self.bus.close()
+
+    def _look_after(self, loop: Loop) -> None:
+        """Look four times a second whether to end; flush the log, and say how it is."""
+        publisher = self.bus.publisher(keys.diag(self.role), urgent=False, express=False)
+        rate = Rate(time.monotonic())
+        looks = 0
+        while not self.ending.wait(_CHECK):
+            now = time.monotonic()
+            if self.life and self.life.over(now):
+                self.ending.ask("the run is over")
+            elif self.life and (reason := self.life.forlorn(now)):
+                self.ending.ask(reason, FAILED)
+            if looks % _REPORT == 0:
+                self._rate = rate.look(loop.work.count, now)
+                publisher.send(self.diag(loop))
+            if looks % _FLUSH == 0:
+                self.journal.flush()
+            looks += 1
+
+    def _note_crash(self, error: Exception) -> None:
+        self.journal.write(self.t, "crash", trace=traceback.format_exc())
+        self.ending.ask(f"{type(error).__name__}: {error}", FAILED)
+
+    def diag(self, loop: Loop) -> Diag:
+        """Return how it is."""
+        return Diag(
+            t=self.t,
+            role=self.role,
+            host=socket.gethostname(),
+            pid=os.getpid(),
+            state=loop.state,
+            rate=self._rate,
+            work=loop.work.spread(),
+            answers=loop.answers(),
+            refused=self.refusals.table(),
+            perception=_printable(loop.perception),
+            run=_printable(str(self.run)),
+            deployment=_printable(str(self.file)),
+        )
+
+    def _diag_bytes(self, loop: Loop) -> bytes:
+        self._n += 1
+        return pack(stamp(self.diag(loop), self.bus.incarnation, self._n))
+
+    def _stop(self, _: bytes) -> bytes:
+        self.ending.ask("asked to stop")
+        return b"ok"
+
+    def _note_refused(self, key: str, reason: str, detail: str) -> None:
+        self.journal.write(self.t, "refused", key=key, reason=reason, detail=detail)
+
+
+def _printable(text: str) -> str:
+    return "".join(letter if letter.isprintable() else "?" for letter in text[:1000])

@@ -1,0 +1,86 @@
+"""What an agent perceives: messages in, percepts out. Pure but for the clock it is handed."""
+
+import numpy as np
+
+from agents.agent import Goal, Joints, Percepts
+from plant.robot import Robot
+from runtime.wire import keys
+from runtime.wire.bus import Arrival
+from runtime.wire.ear import Ear
+from runtime.wire.fields import MessageError
+from runtime.wire.messages import GoalMessage, HandPose, JointStates, PlatformPose
+from runtime.wire.refusals import Reason, Refusals
+
+
+class Senses:
+    """Keeps the newest of each kind, and gives what of it is fresh.
+
+    robot: whose joints the joint states must be of
+    fresh: how long what arrived is worth perceiving [s]
+    """
+
+    def __init__(self, robot: Robot, fresh: float, refusals: Refusals) -> None:
+        def of_this_robot(states: JointStates) -> None:
+            if len(states.position) != robot.n:
+                raise MessageError(
+                    Reason.WRONG_LENGTH,
+                    f"{len(states.position)} joints, and the robot has {robot.n}",
+                )
+
+        self._hand = Ear(keys.HAND, HandPose, fresh, refusals)
+        self._joints = Ear(keys.JOINTS, JointStates, fresh, refusals, of_this_robot)
+        self._base = Ear(keys.PLATFORM, PlatformPose, fresh, refusals)
+        self._goal = Ear(keys.GOAL, GoalMessage, fresh, refusals)
+        self._refusals = refusals
+        self._goal_known: tuple[GoalMessage, Goal] | None = None
+
+    def take(self, arrival: Arrival, now: float) -> bool:
+        """Take what arrived `now` [s]; tell whether it calls for a decision.
+
+        The joint states do, which the plant sends last of all it knows of one moment, and in
+        their absence the hand's pose.
+        """
+        match arrival.key:
+            case keys.JOINTS:
+                return self._joints.take(arrival.data, now) is not None
+            case keys.HAND:
+                seen = self._hand.take(arrival.data, now) is not None
+                return seen and self._joints.fresh(now) is None
+            case keys.PLATFORM:
+                self._base.take(arrival.data, now)
+            case keys.GOAL:
+                self._goal.take(arrival.data, now)
+            case stranger:
+                self._refusals.count_unknown(stranger)
+        return False
+
+    def percepts(self, now: float) -> Percepts | None:
+        """Return what is fresh `now` [s], and the goal, which never goes stale; None if blind."""
+        hand, states = self._hand.fresh(now), self._joints.fresh(now)
+        base = self._base.fresh(now)
+        if hand is None and states is None:
+            return None
+        t = max(hand.t if hand else 0.0, states.t if states else 0.0, base.t if base else 0.0)
+        return Percepts(
+            t,
+            hand=np.array(hand.position) if hand else None,
+            joints=Joints(np.array(states.position), np.array(states.velocity)) if states else None,
+            base=np.array((base.x, base.y, base.heading)) if base else None,
+            goal=self._goal_in_force(now),
+        )
+
+    def _goal_in_force(self, now: float) -> Goal | None:
+        """A goal does not go stale: it stands still from its `until` on."""
+        heard = self._goal.obeyed(now)
+        if heard is None:
+            return None
+        message = heard.message
+        if self._goal_known is None or self._goal_known[0] is not message:
+            goal = Goal(
+                np.array(message.position),
+                np.array(message.velocity),
+                message.since,
+                message.until,
+            )
+            self._goal_known = (message, goal)
+        return self._goal_known[1]

@@ -1,0 +1,1 @@
+"""What travels between processes: keys, messages, the bus, and who is obeyed."""

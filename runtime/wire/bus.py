@@ -1,0 +1,223 @@
+"""The bus: the one way to the other processes. A thin edge over a Zenoh session.
+
+Nothing here blocks a sender: what does not get through is dropped, for the next one is coming.
+"""
+
+import time
+from collections import deque
+from collections.abc import Callable, Iterator
+from types import TracebackType
+from typing import NamedTuple, Self
+
+import zenoh
+from zenoh.handlers import Handler, RingChannel
+
+from plant.errors import MsmaError
+from runtime.wire import keys
+from runtime.wire.mesh import HOST, Place, config
+from runtime.wire.messages import LARGEST, Message, pack, stamp
+
+_OVERSIZE = bytes(LARGEST + 1)  # stands for what is too large to be looked at
+
+
+class BusError(MsmaError, ConnectionError):
+    """The bus cannot be joined, or is closed."""
+
+
+class Arrival(NamedTuple):
+    """What came: on which key, and the bytes."""
+
+    key: str
+    data: bytes
+
+
+class Answer(NamedTuple):
+    """What a process answered to a question: its key, the bytes, and whether it agreed."""
+
+    key: str
+    data: bytes
+    agreed: bool
+
+
+def _data(payload: zenoh.ZBytes) -> bytes:
+    return payload.to_bytes() if len(payload) <= LARGEST else _OVERSIZE
+
+
+class Publisher:
+    """Sends messages on one key, each stamped with the incarnation and a number counting up."""
+
+    def __init__(self, publisher: zenoh.Publisher, incarnation: int) -> None:
+        self._publisher = publisher
+        self._incarnation = incarnation
+        self._n = 0
+
+    def send(self, message: Message) -> None:
+        """Send and do not wait."""
+        self._n += 1
+        try:
+            self._publisher.put(pack(stamp(message, self._incarnation, self._n)))
+        except zenoh.ZError as error:
+            raise BusError(f"the bus is closed: {error}") from None
+
+
+class Ring:
+    """The last few messages on a key expression, for a loop that waits for them."""
+
+    def __init__(self, subscriber: zenoh.Subscriber[Handler[zenoh.Sample]]) -> None:
+        self._subscriber = subscriber
+
+    def recv(self) -> Arrival:
+        """Wait for the oldest of them; `BusError` once the bus is closed."""
+        try:
+            sample = self._subscriber.recv()
+        except zenoh.ZError as error:
+            raise BusError(f"the bus is closed: {error}") from None
+        return Arrival(str(sample.key_expr), _data(sample.payload))
+
+    def waiting(self, most: int) -> Iterator[Arrival]:
+        """Yield those that wait already, at most that many, so that a flood has an end."""
+        for _ in range(most):
+            try:
+                sample = self._subscriber.try_recv()
+            except zenoh.ZError as error:
+                raise BusError(f"the bus is closed: {error}") from None
+            if sample is None:
+                return
+            yield Arrival(str(sample.key_expr), _data(sample.payload))
+
+
+class Tray:
+    """What came lately, with the time of each arrival, for a loop that has a clock of its own."""
+
+    def __init__(self, depth: int) -> None:
+        self._items: deque[tuple[float, zenoh.Sample]] = deque(maxlen=depth)
+
+    def put(self, sample: zenoh.Sample) -> None:
+        """Take a sample from the bus's thread: it costs that thread next to nothing."""
+        self._items.append((time.monotonic(), sample))
+
+    def take(self) -> Iterator[tuple[float, Arrival]]:
+        """Yield what came until now, each with its time [s, monotonic], and forget it."""
+        for _ in range(len(self._items)):
+            arrived, sample = self._items.popleft()
+            yield arrived, Arrival(str(sample.key_expr), _data(sample.payload))
+
+
+class Bus:
+    """A process's place on its robot's bus; open while in its `with` block.
+
+    robot: its name, the Zenoh namespace: nothing crosses to other robots; None to see all of them
+    """
+
+    def __init__(self, robot: str | None, role: str, place: Place, incarnation: int) -> None:
+        self.incarnation = incarnation
+        try:
+            self._session = zenoh.open(config(robot, place))
+        except zenoh.ZError as error:
+            raise BusError(_why(robot, role, place, str(error))) from None
+        self._token: zenoh.LivelinessToken | None = None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Leave the bus: a loop that waits for messages ends with `BusError`."""
+        self._session.close()  # type: ignore[no-untyped-call] # an omission in zenoh's stubs
+
+    def publisher(self, key: str, *, urgent: bool = True, express: bool = True) -> Publisher:
+        """Return what sends on `key`.
+
+        urgent: it closes the control loop, and goes before all else
+        express: it goes at once, and takes along what was sent before it; without, it may wait
+            for that a moment
+        """
+        publisher = self._session.declare_publisher(
+            key,
+            congestion_control=zenoh.CongestionControl.DROP,
+            priority=zenoh.Priority.REAL_TIME if urgent else zenoh.Priority.DATA_LOW,
+            express=express,
+        )
+        return Publisher(publisher, self.incarnation)
+
+    def ring(self, key: str, depth: int = 8) -> Ring:
+        """Return the last `depth` messages on a key expression, for a loop to wait for."""
+        return Ring(self._session.declare_subscriber(key, RingChannel(depth)))
+
+    def tray(self, *expressions: str, depth: int = 4096) -> Tray:
+        """Return what comes on some key expressions, the last `depth` messages of it."""
+        tray = Tray(depth)
+        for expression in expressions:
+            self._session.declare_subscriber(expression, tray.put)
+        return tray
+
+    def listen(self, key: str, take: Callable[[str, bytes], None]) -> None:
+        """Call `take` with key and bytes of each message, in a thread of the bus."""
+        self._session.declare_subscriber(
+            key, lambda sample: take(str(sample.key_expr), _data(sample.payload))
+        )
+
+    def announce(self, role: str) -> None:
+        """Be seen alive as long as the process lives and the bus is open."""
+        key = keys.alive(role, self.incarnation)
+        self._token = self._session.liveliness().declare_token(key)
+
+    def watch_alive(self, tell: Callable[[str, bool], None]) -> None:
+        """Call `tell` with each token's key and whether it is there, first for all there are."""
+        self._session.liveliness().declare_subscriber(
+            keys.EVERYBODY_ALIVE,
+            lambda sample: tell(str(sample.key_expr), sample.kind == zenoh.SampleKind.PUT),
+            history=True,
+        )
+
+    def who_is_alive(self, timeout: float = 1.0) -> list[str]:
+        """Return the keys of all tokens there are; waits [s] only for whom it has lost."""
+        replies = self._session.liveliness().get(keys.EVERYBODY_ALIVE, timeout=timeout)
+        return [str(reply.ok.key_expr) for reply in replies if reply.ok is not None]
+
+    def answer(self, key: str, reply: Callable[[bytes], bytes]) -> None:
+        """Answer each question on `key` by what `reply` returns, or by its error's message."""
+
+        def on_query(query: zenoh.Query) -> None:
+            question = b"" if query.payload is None else _data(query.payload)
+            try:
+                query.reply(key, reply(question))
+            except MsmaError as error:
+                query.reply_err(str(error).encode())
+
+        self._session.declare_queryable(key, on_query)
+
+    def ask(self, key: str, question: bytes = b"", timeout: float = 1.0) -> list[Answer]:
+        """Ask all who answer on a key expression; wait at most `timeout` [s]."""
+        replies = self._session.get(
+            key,
+            payload=question,
+            timeout=timeout,
+            target=zenoh.QueryTarget.ALL,
+            consolidation=zenoh.ConsolidationMode.NONE,  # copies answer on the same key
+        )
+        answers = []
+        for reply in replies:
+            if reply.ok is not None:
+                answers.append(Answer(str(reply.ok.key_expr), _data(reply.ok.payload), True))
+            elif reply.err is not None:
+                answers.append(Answer(key, _data(reply.err.payload), False))
+        return answers
+
+
+def _why(robot: str | None, role: str, place: Place, error: str) -> str:
+    if "in use" not in error:
+        return f"{role} cannot join the bus of {robot}: {error}"
+    return (
+        f"{role} cannot join the bus of {robot}: port {place.listen} of {HOST} is taken. Perhaps "
+        f"{role} runs already (see `msma status --robot {robot}`): stop it first with `msma stop`, "
+        f"or start this one beside it with `--copy`. If another program has the port, set `port` "
+        f"in the deployment file, or name the robot otherwise"
+    )
