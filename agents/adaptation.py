@@ -40,6 +40,21 @@ class EagerGain:
         return self._gain
 
 
+class Elapsed:
+    """The time since one looked last, by the time of what is seen."""
+
+    def __init__(self, period: float, most: float) -> None:
+        """Take `period` [s] the first time, and never more than `most` [s]."""
+        self._period, self._most = period, most
+        self._t: float | None = None
+
+    def at(self, t: float) -> float:
+        """Return how long ago one looked last [s], now that it is `t` [s]."""
+        elapsed = self._period if self._t is None else t - self._t
+        self._t = t
+        return min(max(elapsed, 0.0), self._most)
+
+
 class SeenVelocity:
     """The velocity of something seen, from two sights of it."""
 

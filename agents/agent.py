@@ -94,6 +94,13 @@ class Agent(ABC):
     perception: str = "none"
     """What the last decision was based on, for people to see."""
 
+    sees: frozenset[str] = frozenset(("hand", "joints", "base", "goal"))
+    """Which percepts it has a use for: the others need not come to its process."""
+
+    rest: float = 0.0
+    """How soon after a decision the next one is of use [s]; until then it leaves the processor
+    to the others, however often there is something new to see."""
+
     @abstractmethod
     def decide(self, percepts: Percepts) -> Array | None:
         """Return the velocity wanted now, or None to say nothing, which lets the body rest.

@@ -10,6 +10,9 @@ from agents.by_eye import LineByEye
 from agents.laws import Law, LineByModel, Own, StepByEye, StepByModel
 from agents.sight import Perception, Sight
 
+REST = 1 / 30
+"""Of its horizon, in which nothing changes that a moving agent would answer otherwise."""
+
 
 class JointAgent(Agent):
     """A joint that only tries to bring the hand nearer the goal (paper, section 3.1).
@@ -53,6 +56,7 @@ class JointAgent(Agent):
         self._sight = Sight(body, perception)
         self._may_fail = perception == "auto"  # the model, while there is something else to go by
         horizon = max(horizon, 1.5 * body.period)
+        self.rest = REST * horizon
         self._by_model: Law
         self._by_eye: Law
         if law == "line":
@@ -111,6 +115,8 @@ class HoldAgent(Agent):
         self._joint = joint_of(body)
         self._angle: Array | None = None if angle is None else cast("Array", angle)
         self._rate = min(rate, 1 / body.period)
+        self.sees = frozenset(("joints",))
+        self.rest = 0.02 / rate
 
     def decide(self, percepts: Percepts) -> Array | None:
         """Return the joint's velocity (...) [rad/s]; None when its encoder is not heard."""

@@ -1,11 +1,12 @@
 """What a law is by which a joint turns the hand towards the goal, and those that use a model."""
 
 from abc import ABC, abstractmethod
+from math import exp
 from typing import NamedTuple
 
 import numpy as np
 
-from agents.adaptation import EagerGain, SeenVelocity
+from agents.adaptation import EagerGain, Elapsed, SeenVelocity
 from agents.agent import Array, Body, Goal
 from agents.arithmetic import sqrt, squared_length, where
 from agents.bend import Bend
@@ -58,7 +59,8 @@ class LineByModel(Law):
         self._joint = joint
         self._stops = Stops(body.robot.lower[joint], body.robot.upper[joint])
         self._horizon = horizon
-        self._kept = float(np.exp(-body.period / memory))
+        self._memory = memory
+        self._elapsed = Elapsed(body.period, horizon)
         self._gain = EagerGain(gain, max(gain, self.MOST))
         self._bend = Bend(bend)
         self._seen = SeenVelocity()
@@ -77,7 +79,8 @@ class LineByModel(Law):
             view.arm.axes[..., self._joint, :],
         )
         turn = self._stops.turn(t, own.angle, turn)
-        velocity = own.speed * self._kept + self._gain.after(turn) * turn / self._horizon
+        kept = exp(-self._elapsed.at(t) / self._memory)
+        velocity = own.speed * kept + self._gain.after(turn) * turn / self._horizon
         distance = sqrt(squared_length(goal.at(t) - hand))
         bent = self._bend.limited(t, own.angle, velocity, distance)
         return where(abs(turn) > np.pi, velocity, bent)  # the long way leads past straight

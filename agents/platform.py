@@ -4,7 +4,7 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from agents.adaptation import EagerGain, SeenVelocity
+from agents.adaptation import EagerGain, Elapsed, SeenVelocity
 from agents.agent import Agent, AgentError, Array, Body, Goal, Percepts
 from agents.arithmetic import (
     Mask,
@@ -113,7 +113,9 @@ class PlatformAgent(Agent):
                 raise AgentError(f"{name}: {value:g} must not be negative")
         self._drive = drive_of(body)
         self._sight = Sight(body, perception)
+        self.sees = self._sight.sees | {"base", "goal"}
         self._horizon = max(horizon, 1.5 * body.period)
+        self.rest = self._horizon / 30
         self._advance_gain = EagerGain(gain, max(gain, 0.85))
         self._turn_gain = EagerGain(gain, max(gain, 0.85))
         root, length = _root_and_length(body)
@@ -121,8 +123,8 @@ class PlatformAgent(Agent):
         self._reach = reach * length
         self._bearing = bearing
         self._hurry, self._turning = hurry, turning
-        self._ease_linear = ease_linear * body.period
-        self._ease_angular = ease_angular * body.period
+        self._ease_linear, self._ease_angular = ease_linear, ease_angular
+        self._elapsed = Elapsed(body.period, self._horizon)
         self._hand_motion, self._motion = SeenVelocity(), SeenVelocity()
         self._heading: Array | None = None
         self._deadlock = Deadlock()
@@ -142,8 +144,10 @@ class PlatformAgent(Agent):
         lined_linear, lined_angular, top = self._line_up(scene)
         steering = _steering(scene)
         lined_angular = lined_angular * (1 + BRISK * steering)
-        ease_angular = self._ease_angular * (1 + 2 * BRISK * steering)
-        linear = linear + within(lined_linear - scene.linear, self._ease_linear)
+        elapsed = self._elapsed.at(percepts.t)
+        ease_linear = self._ease_linear * elapsed
+        ease_angular = self._ease_angular * elapsed * (1 + 2 * BRISK * steering)
+        linear = linear + within(lined_linear - scene.linear, ease_linear)
         angular = angular + within(lined_angular - scene.angular, ease_angular)
         waits = self._waits(percepts.t, scene)
         angular = where(waits, 0.0, within(angular, self._drive.max_angular))

@@ -47,6 +47,10 @@ class Sight:
         self._perception = perception
         self._kinematics = Kinematics(body.robot)
         self._mobile = body.robot.drive is not None
+        by_model = {"joints", "base"} if self._mobile else {"joints"}
+        self.sees = frozenset(
+            {"blackboard": by_model, "localiser": {"hand"}, "auto": by_model | {"hand"}}[perception]
+        )
         self._difference: Array = np.zeros(3)
         self._spread = cast("Array", 0.0)
         self._t: float | None = None

@@ -19,6 +19,13 @@ def freshness(period: float, speed: float) -> float:
     return max(3 * period / speed, 0.05)
 
 
+def _board(sees: frozenset[str]) -> str:
+    """Return the key expression on which the plant tells what an agent reacts to."""
+    if "hand" not in sees:
+        return keys.JOINTS
+    return keys.BLACKBOARD if "joints" in sees else keys.HAND
+
+
 class AgentLoop(Loop):
     """Lets an agent decide each time the plant has told its state, and sends its command.
 
@@ -34,8 +41,9 @@ class AgentLoop(Loop):
         self._shape = (2,) if self._joint is None else ()
         fresh = freshness(deployment.period, deployment.speed)
         self._senses = Senses(deployment.description.robot, fresh, process.refusals)
-        self._board = bus.ring(keys.BLACKBOARD)
-        self._rest = [bus.ring(keys.GOAL), bus.ring(keys.PLATFORM)]
+        self._board = bus.ring(_board(agent.sees))
+        others = {"goal": keys.GOAL, "base": keys.PLATFORM}
+        self._others = [bus.ring(key) for sense, key in others.items() if sense in agent.sees]
         command = keys.PLATFORM_COMMAND
         if self._joint is not None:
             command = keys.joint_command(self._joint + 1)
@@ -56,10 +64,12 @@ class AgentLoop(Loop):
                 due = self._senses.take(arrival, now) or due
             if due:
                 self._turn(now)
-                self.work.add(time.monotonic() - now)
+                spent = time.monotonic() - now
+                self.work.add(spent)
+                time.sleep(max(self._agent.rest - spent, 0.0))
 
     def _turn(self, now: float) -> None:
-        for ring in self._rest:
+        for ring in self._others:
             for arrival in ring.waiting(_AT_ONCE):
                 self._senses.take(arrival, now)
         percepts = self._senses.percepts(now)
@@ -69,7 +79,8 @@ class AgentLoop(Loop):
         process.t = t = percepts.t
         if process.life:
             process.life.plant_heard(t, now)
-        self.state = "runs" if percepts.goal is not None else "waits for a goal"
+        idle = percepts.goal is None and "goal" in self._agent.sees
+        self.state = "waits for a goal" if idle else "runs"
         try:
             decided = self._agent.decide(percepts)
             wanted = None if decided is None else np.asarray(decided, dtype=np.float64)

@@ -20,11 +20,10 @@ class GoalLoop(Loop):
         super().__init__()
         deployment = process.deployment
         self._process, self._path = process, path
-        self._ring = process.bus.ring(keys.JOINTS)
+        self._ring = process.bus.ring(keys.JOINTS, depth=1)
         fresh = freshness(deployment.period, deployment.speed)
         self._plant = Ear(keys.JOINTS, JointStates, fresh, process.refusals)
         self._out = process.bus.publisher(keys.GOAL)
-        self._next = 0.0
 
     def run(self) -> None:
         """React to the plant until the bus is closed."""
@@ -32,10 +31,11 @@ class GoalLoop(Loop):
             arrival = self._ring.recv()
             now = time.monotonic()
             states = self._plant.take(arrival.data, now)
-            if states is not None and now >= self._next:
-                self._next = now + 0.9 * _SHORTEST
+            if states is not None:
                 self._turn(now)
-                self.work.add(time.monotonic() - now)
+                spent = time.monotonic() - now
+                self.work.add(spent)
+                time.sleep(max(_SHORTEST - spent, 0.0))
 
     def _turn(self, now: float) -> None:
         states = self._plant.fresh(now)
