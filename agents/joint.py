@@ -54,6 +54,7 @@ class JointAgent(Agent):
         self._joint = joint_of(body)
         self._top_speed = float(body.robot.max_speed[self._joint])
         self._sight = Sight(body, perception)
+        self.sees = self._sight.sees | {"goal"}
         self._may_fail = perception == "auto"  # the model, while there is something else to go by
         horizon = max(horizon, 1.5 * body.period)
         self.rest = REST * horizon
