@@ -1,5 +1,8 @@
 """What an agent perceives: messages in, percepts out. Pure but for the clock it is handed."""
 
+from collections import deque
+from typing import TypeVar
+
 import numpy as np
 
 from agents.agent import Goal, Joints, Percepts
@@ -11,9 +14,16 @@ from runtime.wire.fields import MessageError
 from runtime.wire.messages import GoalMessage, HandPose, JointStates, PlatformPose
 from runtime.wire.refusals import Reason, Refusals
 
+S = TypeVar("S", HandPose, JointStates, PlatformPose)
+_KEPT = 6
+"""How many of each kind are kept, to find those that belong together."""
+
 
 class Senses:
-    """Keeps the newest of each kind, and gives what of it is fresh.
+    """Keeps the newest of each kind, and gives what of it is fresh and of one moment.
+
+    What the plant tells of one moment comes as several messages. One that is a period older than
+    the others would show the hand a period's way off, and in motion where it is not.
 
     robot: whose joints the joint states must be of
     fresh: how long what arrived is worth perceiving [s]
@@ -31,6 +41,9 @@ class Senses:
         self._joints = Ear(keys.JOINTS, JointStates, fresh, refusals, of_this_robot)
         self._base = Ear(keys.PLATFORM, PlatformPose, fresh, refusals)
         self._goal = Ear(keys.GOAL, GoalMessage, fresh, refusals)
+        self._hands: deque[HandPose] = deque(maxlen=_KEPT)
+        self._states: deque[JointStates] = deque(maxlen=_KEPT)
+        self._bases: deque[PlatformPose] = deque(maxlen=_KEPT)
         self._refusals = refusals
         self._goal_known: tuple[GoalMessage, Goal] | None = None
 
@@ -42,12 +55,12 @@ class Senses:
         """
         match arrival.key:
             case keys.JOINTS:
-                return self._joints.take(arrival.data, now) is not None
+                return _keep(self._joints.take(arrival.data, now), self._states)
             case keys.HAND:
-                seen = self._hand.take(arrival.data, now) is not None
+                seen = _keep(self._hand.take(arrival.data, now), self._hands)
                 return seen and self._joints.fresh(now) is None
             case keys.PLATFORM:
-                self._base.take(arrival.data, now)
+                _keep(self._base.take(arrival.data, now), self._bases)
             case keys.GOAL:
                 self._goal.take(arrival.data, now)
             case stranger:
@@ -60,7 +73,11 @@ class Senses:
         base = self._base.fresh(now)
         if hand is None and states is None:
             return None
-        t = max(hand.t if hand else 0.0, states.t if states else 0.0, base.t if base else 0.0)
+        moment = min(seen.t for seen in (hand, states, base) if seen is not None)
+        hand = hand and _of(moment, hand, self._hands)
+        states = states and _of(moment, states, self._states)
+        base = base and _of(moment, base, self._bases)
+        t = max(seen.t for seen in (hand, states, base) if seen is not None)
         return Percepts(
             t,
             hand=np.array(hand.position) if hand else None,
@@ -84,3 +101,17 @@ class Senses:
             )
             self._goal_known = (message, goal)
         return self._goal_known[1]
+
+
+def _keep(message: S | None, kept: deque[S]) -> bool:
+    if message is not None:
+        kept.append(message)
+    return message is not None
+
+
+def _of(moment: float, newest: S, kept: deque[S]) -> S:
+    """Return what the same process said of a moment [s], or the newest if nothing is kept."""
+    for message in kept:
+        if message.t == moment and message.by == newest.by:
+            return message
+    return newest

@@ -124,3 +124,24 @@ def test_joint_states_of_another_robot_are_refused(agent: Agent) -> None:
 def test_strange_keys_are_counted(agent: Agent) -> None:
     assert not agent.senses.take(Arrival("arm/secret\x1b", b""), 0.0)
     assert agent.refusals.table() == {UNKNOWN_KEYS: {Reason.UNKNOWN_KEY: 1}}
+
+
+def test_what_belongs_to_one_moment_is_perceived_together(agent: Agent) -> None:
+    for t, at in ((1.0, 10.0), (1.06, 10.06)):
+        agent.hears(PlatformPose(t, -0.15 + t, 0.0, 0.5), at)
+        agent.hears(STATES._replace(t=t), at)
+    agent.hears(PlatformPose(1.12, 9.0, 0.0, 0.5), 10.12)  # the joints of 1.12 s are still to come
+    percepts = agent.sees(10.12)
+    assert percepts.t == 1.06
+    assert percepts.base is not None
+    np.testing.assert_allclose(percepts.base, (0.91, 0.0, 0.5))
+
+
+def test_of_another_process_no_older_word_is_taken(agent: Agent) -> None:
+    agent.hears(PlatformPose(1.0, 1.0, 0.0, 0.0), 10.0, by=1)
+    agent.hears(STATES, 10.0)
+    for _ in range(2):  # a newcomer is obeyed from its second word
+        agent.hears(PlatformPose(1.06, 2.0, 0.0, 0.0), 10.05, by=2)
+    percepts = agent.sees(10.06)
+    assert percepts.base is not None
+    assert percepts.base[0] == 2.0
