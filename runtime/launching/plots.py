@@ -7,6 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 
 from agents.agent import Array
 from runtime.config.deployment import Deployment
@@ -34,7 +35,7 @@ def draw(
     grid = figure.add_gridspec(2, 2, width_ratios=(1, 1.2))
     _draw_above(figure.add_subplot(grid[:, 0]), record, thin, goal)
     above = figure.add_subplot(grid[0, 1])
-    above.plot(record.t[thin], record.hand[thin, 2], color=_HAND, label="hand")
+    above.plot(record.t[thin], record.hand[thin, 2], color=_HAND, lw=2.5, label="hand")
     if goal is not None:
         above.plot(record.t[thin], goal[thin, 2], color=_GOAL, ls="--", lw=1, label="goal")
     above.set(ylabel="height [m]")
@@ -51,9 +52,9 @@ def draw(
 def _draw_above(axes: Axes, record: Record, thin: Array, goal: Array | None) -> None:
     """Draw hand and platform as seen from above."""
     hand, base = record.hand[thin], record.base[thin]
+    axes.plot(*hand[:, :2].T, color=_HAND, lw=2.5, label="hand")
     if goal is not None:
         axes.plot(*goal[thin, :2].T, color=_GOAL, ls="--", lw=1, label="goal")
-    axes.plot(*hand[:, :2].T, color=_HAND, label="hand")
     if np.any(base != base[0]):
         axes.plot(*base[:, :2].T, color=_PLATFORM, label="platform and heading")
         at = base[np.linspace(0, len(base) - 1, _HEADINGS).astype(int)]
@@ -69,11 +70,15 @@ def _draw_above(axes: Axes, record: Record, thin: Array, goal: Array | None) -> 
     axes.plot(*hand[-1, :2], "o", color=_HAND)
     axes.set(xlabel="x [m]", ylabel="y [m]", title="from above")
     axes.set_aspect("equal", adjustable="datalim")
-    axes.legend()
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.09), ncols=3, frameon=False)
 
 
 def _draw_error(axes: Axes, t: Array, error: Array, tolerance: float) -> None:
-    axes.semilogy(t, np.maximum(1e3 * error, 1e-3), color=_HAND, lw=1)
+    shown = np.maximum(1e3 * error, 1e-3)
+    axes.semilogy(t, shown, color=_HAND, lw=1)
+    axes.set_ylim(shown.min() / 1.5, 8 * max(shown.max(), 1e3 * tolerance))  # room for words
+    axes.yaxis.set_major_formatter("{x:g}")
+    axes.yaxis.set_minor_formatter(NullFormatter())
     axes.axhline(1e3 * tolerance, color=_GOAL, ls=":", lw=1)
     axes.annotate(
         f"tolerance {1e3 * tolerance:g} mm",
@@ -101,4 +106,5 @@ def _mark(above: Axes, below: Axes, happenings: Sequence[Happening], end: float)
             ha="right" if left else "left",
             va="top",
             fontsize="small",
+            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.5},
         )
