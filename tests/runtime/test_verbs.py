@@ -3,7 +3,6 @@
 import json
 import os
 import signal
-import time
 from collections.abc import Iterator
 from contextlib import ExitStack
 
@@ -59,8 +58,8 @@ def test_a_role_is_killed_and_revived_and_goes_on(running: Robot) -> None:
 def test_what_hangs_is_shown_and_can_be_killed(running: Robot) -> None:
     pid = running.pid("joint/6")
     os.kill(pid, signal.SIGSTOP)
-    time.sleep(0.4)  # a lease is 0.25 s
-    assert f"joint/6: hangs, process {pid}" in running.tool("status").stdout
+    hangs = f"joint/6: hangs, process {pid}"
+    wait_for(lambda: hangs in running.tool("status").stdout, "status to say that it hangs")
     assert running.tool("kill", "joint/6").returncode == 0
     assert running.tool("revive", "joint/6").returncode == 0
 
