@@ -83,6 +83,10 @@ class Body:
     rng: np.random.Generator
 
 
+REST = 1 / 30
+"""Of its horizon, in which nothing changes that an agent would answer otherwise."""
+
+
 class Agent(ABC):
     """One process's whole mind: it perceives, decides and forgets what it was not given.
 

@@ -4,14 +4,11 @@ from typing import Annotated, Literal, cast
 
 import numpy as np
 
-from agents.agent import Agent, AgentError, Array, Body, Joints, Percepts
+from agents.agent import REST, Agent, AgentError, Array, Body, Joints, Percepts
 from agents.arithmetic import plain, within
 from agents.by_eye import LineByEye
 from agents.laws import Law, LineByModel, Own, StepByEye, StepByModel
 from agents.sight import Perception, Sight
-
-REST = 1 / 30
-"""Of its horizon, in which nothing changes that a moving agent would answer otherwise."""
 
 
 class JointAgent(Agent):

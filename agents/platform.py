@@ -5,7 +5,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from agents.adaptation import EagerGain, Elapsed, SeenVelocity
-from agents.agent import Agent, AgentError, Array, Body, Goal, Percepts
+from agents.agent import REST, Agent, AgentError, Array, Body, Goal, Percepts
 from agents.arithmetic import (
     Mask,
     arctan2,
@@ -115,7 +115,7 @@ class PlatformAgent(Agent):
         self._sight = Sight(body, perception)
         self.sees = self._sight.sees | {"base", "goal"}
         self._horizon = max(horizon, 1.5 * body.period)
-        self.rest = self._horizon / 30
+        self.rest = REST * self._horizon
         self._advance_gain = EagerGain(gain, max(gain, 0.85))
         self._turn_gain = EagerGain(gain, max(gain, 0.85))
         root, length = _root_and_length(body)
