@@ -3,6 +3,7 @@
 Nothing here blocks a sender: what does not get through is dropped, for the next one is coming.
 """
 
+import math
 import time
 from collections import deque
 from collections.abc import Callable, Iterator
@@ -17,6 +18,7 @@ from runtime.wire import keys
 from runtime.wire.mesh import HOST, Place, config
 from runtime.wire.messages import LARGEST, Message, pack, stamp
 
+_LINGER = 0.1  # [s] that an answer has to leave before the bus is closed: closing drops what waits
 _OVERSIZE = bytes(LARGEST + 1)  # stands for what is too large to be looked at
 
 
@@ -116,6 +118,7 @@ class Bus:
         except zenoh.ZError as error:
             raise BusError(_why(robot, role, place, str(error))) from None
         self._token: zenoh.LivelinessToken | None = None
+        self._asked = -math.inf  # when somebody asked last [s, monotonic]
 
     def __enter__(self) -> Self:
         return self
@@ -130,6 +133,7 @@ class Bus:
 
     def close(self) -> None:
         """Leave the bus: a loop that waits for messages ends with `BusError`."""
+        time.sleep(max(self._asked + _LINGER - time.monotonic(), 0.0))
         self._session.close()  # type: ignore[no-untyped-call] # an omission in zenoh's stubs
 
     def publisher(self, key: str, *, urgent: bool = True, express: bool = True) -> Publisher:
@@ -186,6 +190,7 @@ class Bus:
         """Answer each question on `key` by what `reply` returns, or by its error's message."""
 
         def on_query(query: zenoh.Query) -> None:
+            self._asked = time.monotonic()
             question = b"" if query.payload is None else _data(query.payload)
             try:
                 query.reply(key, reply(question))

@@ -7,12 +7,13 @@ from collections.abc import Iterator
 from contextlib import ExitStack
 
 import pytest
+import zenoh
 
 from plant.errors import MsmaError
 from runtime.wire import keys
 from runtime.wire.bus import Bus, BusError, Ring
 from runtime.wire.mesh import HOST, seat, visitor
-from runtime.wire.messages import LARGEST, JointCommand, unpack
+from runtime.wire.messages import LARGEST, JointCommand, pack, unpack
 from tests.runtime.conftest import Crew, wait_for
 
 KEY = keys.joint_command(1)
@@ -60,10 +61,17 @@ def test_messages_arrive_with_incarnation_and_a_number_that_counts_up(street: St
     ring = there.ring(KEY)
     arrives(here, ring)
     publisher = here.publisher(KEY)
-    for _ in range(3):
+    seen: list[JointCommand] = []
+
+    def look() -> bool:
         publisher.send(JointCommand(2.0, 0.1))
-    seen = wait_for(lambda: [m for m in _all(ring) if m.t == 2.0][-3:], "the three")
-    assert [message.n for message in seen] == [1, 2, 3]
+        seen.extend(message for message in _all(ring) if message.t == 2.0)
+        return len(seen) >= 3
+
+    wait_for(look, "three of them")
+    numbers = [message.n for message in seen]  # a busy machine may drop some
+    assert numbers == sorted(set(numbers))
+    assert numbers[0] >= 1
     assert {message.by for message in seen} == {here.incarnation}
 
 
@@ -76,11 +84,11 @@ def test_a_ring_keeps_the_newest_and_drops_the_oldest(street: Street) -> None:
     here, there = street.join(0), street.join(1)
     ring = there.ring(KEY, depth=2)
     arrives(here, ring)
-    publisher = here.publisher(KEY)
-    for tick in range(100):
-        publisher.send(JointCommand(float(tick), 0.0))
-    last = there.ring(keys.GOAL)
-    arrives(here, last, keys.GOAL)
+    for tick in range(100):  # none is dropped on the way, as they would be on a busy machine
+        data = pack(JointCommand(float(tick), 0.0))
+        here._session.put(KEY, data, congestion_control=zenoh.CongestionControl.BLOCK)
+    end = there.ring(keys.GOAL)
+    arrives(here, end, keys.GOAL)
     assert [unpack(JointCommand, arrival.data).t for arrival in ring.waiting(8)] == [98.0, 99.0]
 
 
