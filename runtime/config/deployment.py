@@ -9,10 +9,11 @@ from typing import Annotated
 import yaml
 
 from agents.agent import Agent
+from runtime.config.chaos import LAUNCHER, WATCHER, ChaosEvent
 from runtime.config.kinds import Output, Pattern, Range, Scope
 from runtime.config.overrides import Override
 from runtime.config.reading import Derived, kind_of
-from runtime.config.specs import AgentSpec, ChaosEvent, Description, GoalSpec, PlantSpec, Start
+from runtime.config.specs import AgentSpec, Description, GoalSpec, PlantSpec, Start
 from runtime.config.tree import ConfigError, Node, read_file, valid_are
 from runtime.wire.ports import FIRST_COPY, SLOTS, port_base
 
@@ -101,10 +102,18 @@ class Deployment:
             what = f"{len(self.roles)} processes with plant and goal, of {FIRST_COPY} at most"
             raise node.find("agents").error(what)
         for index, event in enumerate(self.chaos):
-            if event.fault is None and event.target not in self.roles:
-                target = node.find("chaos", index, event.action)
-                hint = valid_are(event.target, self.roles)
-                raise target.error(f"nothing runs as {event.target!r}{hint}")
+            self._check_target(event, node.find("chaos", index, event.action))
+
+    def _check_target(self, event: ChaosEvent, node: Node) -> None:
+        """Refuse chaos for who is not there."""
+        roles = (*self.roles, LAUNCHER, WATCHER) if event.kill or event.hang else self.roles
+        if event.role is not None and event.role not in roles:
+            raise node.error(f"nothing runs as {event.role!r}{valid_are(event.role, roles)}")
+        hosts = sorted({agent.host for agent in self.agents})
+        for index, host in enumerate(event.hosts):
+            if host not in hosts:
+                there = node.find(index)
+                raise there.error(f"nothing runs on a host {host!r}{valid_are(host, hosts)}")
 
     def dump(self) -> str:
         """Return it as YAML that loads to an equal one from anywhere, with every default."""

@@ -43,6 +43,10 @@ class Pattern(NamedTuple):
     such_as: str
 
 
+class OneOrMore(NamedTuple):
+    """Mark: of a list of any length, one value may stand without brackets; none is too few."""
+
+
 class Output(NamedTuple):
     """Mark: a path to write to: it need not be there, and is relative to the current folder."""
 
@@ -176,18 +180,28 @@ class File(Kind):
 
 @dataclass(frozen=True)
 class Items(Kind):
-    """A list of values: one of each of `kinds`, or any number of the only one if `many`."""
+    """A list of values: one of each of `kinds`, or any number of the only one if `many`.
+
+    bare: one value may stand without brackets, and there must be one
+    """
 
     kinds: tuple[Kind, ...]
     many: bool
+    bare: bool = False
 
     @property
     def such_as(self) -> str:
         """A list of examples."""
+        if self.bare:
+            return self.kinds[0].such_as
         return f"[{', '.join(kind.such_as for kind in self.kinds)}]"
 
     def read(self, node: Node, scope: Scope) -> tuple[Any, ...]:
         """Return the values."""
+        if self.bare and not isinstance(node.value, list):
+            return (self.kinds[0].read(node, scope),)
+        if self.bare and not node.value:
+            raise node.error(f"the list is empty; one at least is wanted, such as {self.such_as}")
         if not isinstance(node.value, list):
             raise node.error(f"{node.text!r} is not a list, such as {self.such_as}")
         kinds = self._kinds(len(node.value))

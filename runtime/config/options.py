@@ -25,7 +25,13 @@ def _chaos(option: str, text: str) -> Override:
     target, at_sign, at = text.rpartition("@")
     if not at_sign:
         raise ConfigError(f"{option} {text}: at what time? Write it such as {option} {text}@8")
-    event = {"at": at, option.removeprefix("--"): target}
+    at, colon, lasting = at.partition(":")
+    action = option.removeprefix("--")
+    event: dict[str, object] = {"at": at, action: target}
+    if action == "partition":
+        event[action] = target.split(",")
+    if colon:
+        event["for"] = lasting
     return Override(f"{option} {text}", "chaos.+", json.dumps(event))
 
 
@@ -36,9 +42,11 @@ _OPTIONS: tuple[tuple[str, str, Callable[[str, str], Override], str], ...] = (
     ("--duration", "TIME", _value, "how long the run lasts"),
     ("--seed", "NUMBER", _value, "the seed of all that is random"),
     ("--kill", "ROLE@TIME", _chaos, "kill a process at a time, such as joint/2@8"),
-    ("--stop", "ROLE@TIME", _chaos, "stop a process at a time"),
+    ("--hang", "ROLE@TIME:TIME", _chaos, "stop a process for a time, such as joint/2@8:2s"),
+    ("--stop", "ROLE@TIME", _chaos, "ask a process to stop at a time"),
     ("--revive", "ROLE@TIME", _chaos, "start a process again at a time"),
     ("--fault", "FAULT@TIME", _chaos, "break something at a time, such as joint/1:locked@5"),
+    ("--partition", "HOST@TIME:TIME", _chaos, "cut hosts off from the rest, such as arm@8:4s"),
 )
 
 

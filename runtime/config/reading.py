@@ -33,6 +33,7 @@ from runtime.config.kinds import (
     Items,
     Kind,
     Maybe,
+    OneOrMore,
     Output,
     Pattern,
     Quantity,
@@ -217,7 +218,8 @@ def kind_of(annotation: Any, unit: Unit = "1") -> Kind:
         return Maybe(kind_of(Annotated[inner, *marks] if marks else inner, unit))
     if origin is tuple:
         many = args[-1:] == (Ellipsis,)
-        return Items(tuple(kind_of(arg, unit) for arg in args if arg is not Ellipsis), many)
+        items = tuple(kind_of(arg, unit) for arg in args if arg is not Ellipsis)
+        return Items(items, many, bare=_mark(marks, OneOrMore) is not None)
     if origin is Literal:
         return Choice({str(value): value for value in args})
     if hasattr(base, "from_node"):

@@ -34,6 +34,9 @@ def _of(kind: Kind) -> dict[str, Any]:
             return {"enum": list(values)}
         case Text(pattern) if pattern:
             return {"type": "string", "pattern": f"^({pattern.regex})$"}
+        case Items(kinds, bare=True):
+            one = _of(kinds[0])
+            return {"anyOf": [one, {"type": "array", "items": one, "minItems": 1}]}
         case Items(kinds, many=True):
             return {"type": "array", "items": _of(kinds[0])}
         case Items(kinds):

@@ -12,8 +12,6 @@ import numpy as np
 from agents.agent import Agent, Body
 from agents.paths import Path as GoalPath
 from plant import urdf
-from plant.errors import MsmaError
-from plant.faults import Fault
 from plant.robot import Robot
 from runtime.config.classes import AgentClass, PathClass, blame
 from runtime.config.kinds import Pattern, Range, Scope, Text
@@ -180,46 +178,3 @@ class AgentSpec:
             raise node.find("role").error(f"{what}{valid_are(self.role, valid)}")
         if self.class_.is_loaded:
             blame(node, lambda: self.build(robot, scope["period"], [0]))
-
-
-@dataclass(frozen=True, kw_only=True)
-class ChaosEvent:
-    """Something that goes wrong on purpose: one of the four, at a time.
-
-    Attributes:
-        at: Plant time [s].
-        kill: The role whose process is killed.
-        stop: The role whose process is stopped.
-        revive: The role whose process is started again.
-        fault: What breaks in the robot, such as joint/1:locked.
-    """
-
-    at: Annotated[float, "s", Range(such_as="5 s", least=0)]
-    kill: Role | None = None
-    stop: Role | None = None
-    revive: Role | None = None
-    fault: str | None = None
-
-    one_of: ClassVar[tuple[str, ...]] = ("kill", "stop", "revive", "fault")
-
-    @property
-    def action(self) -> str:
-        """Which of the four."""
-        return next(action for action in self.one_of if getattr(self, action) is not None)
-
-    @property
-    def target(self) -> str:
-        """The role, or the fault as text."""
-        target: str = getattr(self, self.action)
-        return target
-
-    def check(self, node: Node, scope: Scope) -> None:
-        """Refuse an event that cannot happen."""
-        if scope["duration"] is not None and self.at >= scope["duration"]:
-            at, end = node.find("at"), f"{scope['duration']:g} s"
-            raise at.error(f"{at.text} is not before the end of the run, {end}")
-        if self.fault is not None:
-            try:
-                Fault.parse(self.fault, scope["description"].robot)
-            except MsmaError as error:
-                raise node.find("fault").error(str(error)) from error

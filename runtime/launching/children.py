@@ -51,12 +51,9 @@ class Children:
         self._living.append((task, child))
         return child.pid
 
-    def kill(self, role: str) -> list[int]:
-        """Kill the processes of a role; return their ids."""
-        pids = [child.pid for task, child in self._living if task.role == role]
-        for pid in pids:
-            os.kill(pid, signal.SIGKILL)
-        return pids
+    def pids(self, role: str) -> list[int]:
+        """Return the ids of a role's processes, the one that was started last at the end."""
+        return [child.pid for task, child in self._living if task.role == role]
 
     def signal(self, number: signal.Signals) -> None:
         """Send a signal to all that live: by their ids, which are theirs until `ended` says so."""

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from runtime.config.deployment import Deployment
-from runtime.config.specs import ChaosEvent
 from runtime.launching.children import Children, Ended
 from runtime.launching.failures import RunError
+from runtime.launching.havoc import Havoc, Network, check_means
 from runtime.launching.schedule import ALL_MEANS, FORCE, Escalation, Means, Schedule
 from runtime.launching.watcher import View, Watcher
 from runtime.processes.ending import Ending
@@ -54,8 +54,12 @@ class Course(NamedTuple):
     happenings: tuple[Happening, ...]
 
 
-def prepare(deployment: Deployment) -> Path:
-    """Make the folder of a run, with the deployment as resolved in it, and return it."""
+def prepare(deployment: Deployment, network: Network | None = None) -> Path:
+    """Make the folder of a run, with the deployment as resolved in it, and return it.
+
+    Raises `ConfigError` for chaos that nothing here can carry out.
+    """
+    check_means(deployment, network)
     try:
         run = new_run_folder(deployment.runs, deployment.robot).absolute()
         (run / "deployment.yaml").write_text(deployment.dump(), encoding="utf-8")
@@ -68,13 +72,18 @@ class Launcher:
     """Starts the processes of a run and stays with it to its end.
 
     make_screen: called once the processes are started, for what it imports takes time
+    network: what carries out chaos between hosts, None if nothing can
     """
 
     def __init__(
-        self, deployment: Deployment, run: Path, make_screen: "Callable[[], Screen]"
+        self,
+        deployment: Deployment,
+        run: Path,
+        make_screen: "Callable[[], Screen]",
+        network: Network | None = None,
     ) -> None:
         self._deployment = deployment
-        self._make_screen = make_screen
+        self._make_screen, self._network = make_screen, network
         self._ending = Ending()
         self._run = str(run)
         self._children = Children(run)
@@ -122,6 +131,15 @@ class Launcher:
             now=now,
         )
         self._view, frame = self._watcher.look(), now
+        havoc = Havoc(
+            deployment,
+            self._children,
+            self._watcher,
+            self._network,
+            self._journal,
+            show=lambda text: self._screen.happened(self._view.t, text),
+            happened=self._happened,
+        )
         while self._children and not self._ending.wait(_TURN):
             now, before = time.monotonic(), self._view.t
             self._view = self._watcher.look()
@@ -132,8 +150,10 @@ class Launcher:
             }
             for ended in self._children.ended():
                 self._note_end(ended)
-            for event in self._schedule.due(min(before, self._view.t)):  # not by one wrong t
-                self._carry_out(event)
+            for due in self._schedule.due(min(before, self._view.t)):  # not by one wrong t
+                if due.event.role is not None:
+                    self._starting.discard(due.event.role)
+                havoc.carry_out(due)
             if now >= frame:
                 frame = now + _FRAME
                 self._screen.show(self._view)
@@ -146,27 +166,6 @@ class Launcher:
             raise RunError(f"{ended.role} did not start: {ended.said or ended.how}")
         if ended.code:
             self._happened(f"{ended.role} {ended.how}", pid=ended.pid, code=ended.code)
-
-    def _carry_out(self, event: ChaosEvent) -> None:
-        """Do what the schedule wants, and say what came of it."""
-        role = event.target
-        if event.action == "kill":
-            self._starting.discard(role)
-            if not self._children.kill(role):
-                self._happened(f"{role} is not there to be killed")
-        elif event.action == "stop":
-            answers = self._watcher.stop(role, _ANSWER)
-            self._happened(f"{role} {'is asked to stop' if answers else 'does not hear of a stop'}")
-        elif event.action == "revive":
-            self._children.revive(role)
-            self._screen.happened(self._view.t, f"{role} is started again")
-        else:
-            answers = self._watcher.fault(event.target, _ANSWER)
-            if answers and answers[0].agreed:
-                self._screen.happened(self._view.t, f"fault {event.target}")
-            else:
-                why = answers[0].data.decode(errors="replace") if answers else "no plant heard it"
-                self._happened(f"no fault {event.target}: {why}")
 
     def _finish(self) -> None:
         """Give the processes time to end by themselves, unless interrupted, and then end them."""

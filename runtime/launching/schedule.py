@@ -2,24 +2,37 @@
 
 from collections.abc import Iterable
 from enum import Enum
+from typing import NamedTuple
 
-from runtime.config.specs import ChaosEvent
+from runtime.config.chaos import ChaosEvent
+
+
+class Due(NamedTuple):
+    """An event of which the beginning is due, or the end (`over`), at plant time `at` [s]."""
+
+    at: float
+    event: ChaosEvent
+    over: bool = False
 
 
 class Schedule:
-    """Hands out each event once, when plant time has come to it.
+    """Hands out the beginning and the end of each event once, when plant time has come to it.
 
     Plant time may leap ahead, and back when a plant is started anew.
     """
 
     def __init__(self, events: Iterable[ChaosEvent]) -> None:
-        self._left = sorted(events, key=lambda event: event.at)
+        self._left = [Due(event.at, event) for event in events]
+        for event in [due.event for due in self._left]:
+            if event.ends is not None:
+                self._left.append(Due(event.ends, event, over=True))
+        self._left.sort(key=lambda due: due.at)
 
-    def due(self, t: float) -> list[ChaosEvent]:
+    def due(self, t: float) -> list[Due]:
         """Return what is due at plant time `t` [s] and was not before, in the order of times."""
-        count = sum(event.at <= t for event in self._left)
-        due, self._left = self._left[:count], self._left[count:]
-        return due
+        count = sum(due.at <= t for due in self._left)
+        now, self._left = self._left[:count], self._left[count:]
+        return now
 
 
 class Means(Enum):

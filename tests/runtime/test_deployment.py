@@ -11,9 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from agents.paths import CsvPath, Line
+from runtime.config.chaos import ChaosEvent
 from runtime.config.deployment import Deployment, load
 from runtime.config.overrides import Override
-from runtime.config.specs import ChaosEvent
 from runtime.config.tree import ConfigError
 from tests.runtime.own_agents import Nudge
 

@@ -71,17 +71,22 @@ def test_launcher_and_goal_source_may_be_killed(robot: Robot) -> None:
     assert hand == pytest.approx([0.20, -1.86, 1.27], abs=0.003)
 
 
-def test_an_agent_that_hung_for_a_while_goes_on_without_a_jump(robot: Robot) -> None:
-    launcher = robot.launch(*SPEED)
-    robot.until(5.0)
-    os.kill(robot.pid("joint/2"), signal.SIGSTOP)
-    robot.until(8.0)
-    os.kill(robot.pid("joint/2"), signal.SIGCONT)
-    out, _ = launcher.communicate(timeout=30)
-    assert launcher.returncode == 0, out
+def test_an_agent_that_hangs_for_a_while_goes_on_without_a_jump(robot: Robot) -> None:
+    code, said = robot.run(*SPEED, "--hang", "joint/2@5:3s")
+    assert code == 0, said
+    what = [(event["text"], event["t"]) for event in robot.summary["happenings"]]
+    assert [text for text, _ in what] == ["joint/2 hangs for 3 s", "joint/2 goes on"]
+    assert [t for _, t in what] == pytest.approx([5.0, 8.0], abs=1.0)
     for before, after in pairwise(robot.log("plant", "tick")):
         for here, there in zip(before["q"], after["q"], strict=True):
             assert abs(there - here) < 0.8727 * 0.06 + 1e-6  # 50 deg/s for one period
+
+
+def test_the_launcher_may_hang_for_a_while_too(robot: Robot) -> None:
+    code, said = robot.run(*SPEED, "--duration", "6s", "--hang", "launcher@2:3s")
+    assert code == 0, said
+    assert "launcher hangs for 3 s" in said
+    assert robot.log("launcher", "chaos")[0]["action"] == "hang"
 
 
 def test_an_agent_that_hangs_at_the_end_is_killed(robot: Robot) -> None:
@@ -216,6 +221,7 @@ def test_a_start_that_fails_in_a_process_ends_the_others(robot: Robot, tmp_path:
         (("--set", "period=-60ms"), "period"),
         (("--set", "agents.joint/1.class=agents.joint:Nobody"), "Nobody"),
         (("--kill", "joint/9@3"), "joint/9"),
+        (("--partition", "local@8:4s"), "cannot be broken from here"),
         (("--set", "tolerance=3s"), "tolerance"),
     ],
 )

@@ -3,9 +3,9 @@ from pathlib import Path
 
 import pytest
 
+from runtime.config.chaos import ChaosEvent
 from runtime.config.deployment import Deployment
 from runtime.config.options import add_deployment_options, load_from
-from runtime.config.specs import ChaosEvent
 from runtime.config.tree import ConfigError
 
 FILE = str(Path(__file__).parents[2] / "deploy" / "arph.yaml")
@@ -50,12 +50,15 @@ def test_chaos_is_added_to_that_of_the_file() -> None:
     deployment = loaded(
         *("--kill", "joint/2@8", "--revive", "joint/2@9 s"),
         *("--stop", "goal@5s", "--fault", "joint/1:locked=60deg@500 ms"),
+        *("--hang", "joint/2@8:2s", "--partition", "local@9:4 s"),
     )
     assert deployment.chaos == (
         ChaosEvent(at=8.0, kill="joint/2"),
         ChaosEvent(at=9.0, revive="joint/2"),
         ChaosEvent(at=5.0, stop="goal"),
         ChaosEvent(at=0.5, fault="joint/1:locked=60deg"),
+        ChaosEvent(at=8.0, hang="joint/2", for_=2.0),
+        ChaosEvent(at=9.0, partition=("local",), for_=4.0),
     )
 
 
@@ -75,6 +78,8 @@ def test_chaos_is_added_to_that_of_the_file() -> None:
         ("--kill", "joint/2", "at what time? Write it such as --kill joint/2@8"),
         ("--kill", "joint/9@8", "chaos.0.kill: nothing runs as 'joint/9'; did you mean"),
         ("--kill", "joint/2@soon", "chaos.0.at: 'soon' is not a time"),
+        ("--hang", "joint/2@8:soon", "chaos.0.for: 'soon' is not a time"),
+        ("--partition", "local,base@8", "chaos.0.partition.1: nothing runs on a host 'base'"),
         ("--stop", "goal@99", "chaos.0.at: 99 is not before the end of the run, 24 s"),
         ("--fault", "joint/1:lame@5", "chaos.0.fault: joint has no fault 'lame'"),
     ],

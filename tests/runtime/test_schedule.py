@@ -2,11 +2,12 @@
 
 import pytest
 
-from runtime.config.specs import ChaosEvent
-from runtime.launching.schedule import ALL_MEANS, FORCE, Escalation, Means, Schedule
+from runtime.config.chaos import ChaosEvent
+from runtime.launching.schedule import ALL_MEANS, FORCE, Due, Escalation, Means, Schedule
 
 KILL, REVIVE = ChaosEvent(at=5.0, kill="joint/2"), ChaosEvent(at=8.0, revive="joint/2")
 FAULT = ChaosEvent(at=5.0, fault="joint/1:locked")
+HANG = ChaosEvent(at=6.0, hang="goal", for_=2.0)
 
 
 @pytest.mark.parametrize(
@@ -24,7 +25,18 @@ def test_each_event_is_due_once_when_plant_time_has_come(
     times: list[float], due: list[list[ChaosEvent]]
 ) -> None:
     schedule = Schedule([REVIVE, KILL, FAULT])
-    assert [schedule.due(t) for t in times] == due
+    assert [[one.event for one in schedule.due(t)] for t in times] == due
+
+
+def test_the_end_of_what_lasts_is_due_as_well() -> None:
+    schedule = Schedule([HANG, KILL])
+    due = [schedule.due(t) for t in (5.0, 6.0, 7.9, 8.0)]
+    assert due == [
+        [Due(5.0, KILL)],
+        [Due(6.0, HANG)],
+        [],
+        [Due(8.0, HANG, over=True)],
+    ]
 
 
 @pytest.mark.parametrize(

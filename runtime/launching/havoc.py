@@ -1,0 +1,147 @@
+"""Carrying out chaos: to processes by signals, to the robot by asking the plant, to the network."""
+
+import os
+import signal
+import subprocess
+from collections.abc import Callable
+from typing import Protocol
+
+from runtime.config.chaos import LAUNCHER, ChaosEvent
+from runtime.config.deployment import Deployment
+from runtime.config.tree import ConfigError
+from runtime.launching.children import Children
+from runtime.launching.schedule import Due
+from runtime.launching.watcher import Watcher
+from runtime.processes.journal import Journal
+
+_ANSWER = 0.5  # [s] to wait for the answer to a request
+
+
+class Network(Protocol):
+    """What joins the hosts of a run, if it can be cut and slowed down."""
+
+    def begin(self, event: ChaosEvent) -> None:
+        """Begin a partition, a delay or a loss for the event's hosts."""
+
+    def end(self, event: ChaosEvent) -> None:
+        """End what `begin` began for that event: as if it had never been."""
+
+
+def check_means(deployment: Deployment, network: Network | None) -> None:
+    """Raise `ConfigError` if nothing here can carry out what the deployment's chaos wants."""
+    for index, event in enumerate(deployment.chaos):
+        if event.action in event.of_network and network is None:
+            raise ConfigError(
+                f"chaos.{index}.{event.action}: {event.target}: these processes run on a network "
+                f"that cannot be broken from here; only a rehearsal of hosts on one machine can"
+            )
+
+
+class Havoc:
+    """Carries out what a schedule says is due.
+
+    journal: gets a line for each thing that was done, with the plant time of `watcher`
+    show: is told what others log as well, by a text for people
+    happened: is told what nobody else logs
+    """
+
+    def __init__(
+        self,
+        deployment: Deployment,
+        children: Children,
+        watcher: Watcher,
+        network: Network | None,
+        journal: Journal,
+        *,
+        show: Callable[[str], None],
+        happened: Callable[[str], None],
+    ) -> None:
+        self._speed = deployment.speed
+        self._children, self._watcher, self._network = children, watcher, network
+        self._journal, self._show, self._happened = journal, show, happened
+        self._hung: dict[ChaosEvent, int] = {}
+
+    def carry_out(self, due: Due) -> None:
+        """Let an event begin, or end, and say what came of it."""
+        event = due.event
+        if event.hosts:
+            self._to_network(event, due.over)
+        elif due.over:
+            self._resume(event)
+        elif event.kill is not None:
+            self._kill(event.kill)
+        elif event.hang is not None:
+            self._hang(event, event.hang)
+        elif event.stop is not None:
+            self._stop(event.stop)
+        elif event.revive is not None:
+            pid = self._children.revive(event.revive)
+            self._note("revive", event.revive, pid=pid)
+            self._show(f"{event.revive} is started again")
+        elif event.fault is not None:
+            self._break(event.fault)
+
+    def _kill(self, role: str) -> None:
+        pid = self._pid(role)
+        if pid is None:
+            self._happened(f"{role} is not there to be killed")
+        else:
+            self._note("kill", role, pid=pid)
+            os.kill(pid, signal.SIGKILL)
+
+    def _hang(self, event: ChaosEvent, role: str) -> None:
+        pid = self._pid(role)
+        if pid is None:
+            self._happened(f"{role} is not there to be hung")
+            return
+        lasting = "" if event.for_ is None else f" for {event.for_:g} s"
+        self._happened(f"{role} hangs{lasting}")
+        self._note("hang", role, pid=pid)
+        if pid != os.getpid():
+            self._hung[event] = pid
+        elif event.for_ is not None:  # who hangs cannot wake itself
+            waking = f"sleep {event.for_ / self._speed:f}; kill -CONT {pid}"
+            subprocess.Popen(["sh", "-c", waking], start_new_session=True)
+        os.kill(pid, signal.SIGSTOP)
+
+    def _resume(self, event: ChaosEvent) -> None:
+        pid = self._hung.pop(event, None)
+        if pid is not None and pid in self._children.pids(event.target):
+            self._note("wake", event.target, pid=pid)
+            os.kill(pid, signal.SIGCONT)
+            self._happened(f"{event.target} goes on")
+
+    def _note(self, action: str, target: str, **more: object) -> None:
+        """Log what is about to be done, at once: who does it may be the next to go."""
+        t = self._watcher.look().t
+        self._journal.write(t, "chaos", action=action, target=target, **more)
+        self._journal.flush()
+
+    def _pid(self, role: str) -> int | None:
+        """Return the process of a role that was started last, None if there is none."""
+        if role == LAUNCHER:
+            return os.getpid()
+        pids = self._children.pids(role)
+        return pids[-1] if pids else None
+
+    def _stop(self, role: str) -> None:
+        heard = self._watcher.stop(role, _ANSWER)
+        self._happened(f"{role} {'is asked to stop' if heard else 'does not hear of a stop'}")
+
+    def _break(self, fault: str) -> None:
+        answers = self._watcher.fault(fault, _ANSWER)
+        if answers and answers[0].agreed:
+            self._note("fault", fault)
+            self._show(f"fault {fault}")
+        else:
+            why = answers[0].data.decode(errors="replace") if answers else "no plant heard it"
+            self._happened(f"no fault {fault}: {why}")
+
+    def _to_network(self, event: ChaosEvent, over: bool) -> None:
+        if self._network is None:
+            return  # it was refused before anything was started
+        (self._network.end if over else self._network.begin)(event)
+        self._note(event.action, event.target, over=over)
+        what = {"partition": "cut off", "delay": "slowed down", "loss": "made to lose packets"}
+        verb = "are" if len(event.hosts) > 1 else "is"
+        self._happened(f"{event.target} {verb} {'no longer ' if over else ''}{what[event.action]}")
