@@ -11,6 +11,7 @@ MAY_IMPORT = {
     "agents": {"agents", "plant"},
     "runtime": {"runtime", "agents", "plant"},
     "studies": {"studies", "runtime", "agents", "plant"},
+    "bench": {"bench", "studies", "runtime", "agents", "plant"},
 }
 OURS = {"plant", "agents", "runtime", "studies", "bench"}
 IMPURE = {"zenoh", "time", "datetime", "random", "socket", "threading", "asyncio", "subprocess"}

@@ -26,9 +26,11 @@ class PlantLoop(Loop):
     """Integrates the robot at its period, by the commands in force, and tells its state.
 
     Its time starts with the first valid command and stands still while the process is stopped.
+
+    answers: measures how soon the agents answer; by default an `Answers` of its own
     """
 
-    def __init__(self, process: Process) -> None:
+    def __init__(self, process: Process, answers: Answers | None = None) -> None:
         super().__init__()
         deployment = process.deployment
         robot = deployment.description.robot
@@ -48,7 +50,7 @@ class PlantLoop(Loop):
             fresh=freshness(self._period, self._speed) * self._speed,
             refusals=process.refusals,
         )
-        self._answers = Answers(self._period)
+        self._answers = answers or Answers(self._period)
         self._teller = Teller(process.bus, self._simulator)
         self._truth = Truth(self._simulator)
         self._faults: deque[Fault] = deque()

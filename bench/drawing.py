@@ -1,0 +1,21 @@
+"""The pictures of the benches; colours of Okabe and Ito, which all can tell apart."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from studies.drawing import COLOURS, DASHES, save, sheet
+
+
+def answer_times(curves: Mapping[str, Mapping[str, Sequence[float]]], file: Path) -> Path:
+    """Draw how many answers took how long, one panel for each rate and a line for each side.
+
+    curves: rate to side to the quantiles at each percent [s]
+    """
+    figure, panels = sheet(3.2 * len(curves), 3.4, 1, len(curves))
+    for axis, (rate, sides) in zip(panels, curves.items(), strict=True):
+        for (name, curve), colour, dash in zip(sides.items(), COLOURS, DASHES, strict=False):
+            axis.plot([1e3 * each for each in curve], range(101), dash, color=colour, label=name)
+        axis.set(xscale="log", xlabel="answer time [ms]", title=rate)
+    panels[0].set(ylabel="share of the answers [%]")
+    panels[0].legend(fontsize=7)
+    return save(figure, file)

@@ -1,0 +1,1 @@
+"""Seven-way echo: the traffic of the mobile arm without its thinking, over any system."""

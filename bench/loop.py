@@ -1,0 +1,216 @@
+"""The loop from state to command through real processes, beside plain Zenoh that only echoes."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from statistics import median
+
+from bench.bench import Bench, Check, Result, Table
+from bench.echo.load import ROLES, Part, arguments
+from bench.echo.side import Measured, module
+from bench.echo.side import run as run_side
+from bench.ours import ARPH, deployed, run_ours
+from bench.turns import in_turn, ratio
+from runtime.wire.ports import ALL_BASES
+from studies.study import Row, Watch
+
+RATES = {17: 6.0, 100: 5.0, 500: 12.0, 1000: 8.0, 2000: 4.0}
+"""Rate [Hz] to how long it is measured in each round [s]."""
+ROUNDS = 3
+OURS, PLAIN = "msma", "plain Zenoh"
+MOST_OFF = 0.006
+"""Off the goal in a run that counts as done [m]: at 60 ms, twice what the paper says."""
+ECHO_PORT = ALL_BASES[-1] + 96
+"""Where nothing of ours listens: among the places for copies of the last robot."""
+
+Runs = Mapping[str, Sequence[Measured]]
+
+
+class LoopBench(Bench):
+    """Answer times, share of ticks answered, processors and memory at five rates."""
+
+    name = "loop"
+    title = "The loop: plant and seven agents, beside plain Zenoh that only echoes"
+
+    def __init__(self, rates: Mapping[int, float] = RATES, rounds: int = ROUNDS) -> None:
+        """Measure at those rates [Hz], each for so long [s] in each round."""
+        self._rates, self._rounds = rates, rounds
+
+    def measure(self, size: float, watch: Watch) -> Result:
+        """Measure both sides in turn at each rate."""
+        rounds = max(round(self._rounds * min(4 * size, 1)), 1)
+        watch.expect(2 * rounds * len(self._rates))
+        checks: list[Check] = []
+        found: dict[int, Runs] = {}
+        for rate, full in self._rates.items():
+            seconds = max(full * size, 1.0)
+            off: list[float] = []
+
+            def ours(
+                rate: int = rate, seconds: float = seconds, off: list[float] = off
+            ) -> Measured:
+                watch.at(f"{rate} Hz, {OURS}")
+                period = "60 ms" if rate == 17 else f"{1e3 / rate:g} ms"
+                name = f"robot=bench-loop-{rate}"
+                told = run_ours(
+                    deployed(ARPH, name, f"period={period}", "plant.hold=240 ms"), seconds
+                )
+                off.append(told.error)
+                return told.measured
+
+            def plain(rate: int = rate, seconds: float = seconds) -> Measured:
+                watch.at(f"{rate} Hz, {PLAIN}")
+                return run_plain(1 / 0.06 if rate == 17 else rate, seconds)
+
+            found[rate] = in_turn({OURS: ours, PLAIN: plain}, rounds)
+            checks += _checks(rate, found[rate], max(off))
+        return Result(
+            checks=tuple(checks),
+            bars=tuple(_bars(found)),
+            tables=(_times(found), _costs(found)),
+            notes=NOTES,
+            data={
+                str(rate): {
+                    side: [
+                        {"ticks": run.ticks, "usage": {r: asdict(u) for r, u in run.usage.items()}}
+                        for run in runs
+                    ]
+                    for side, runs in sides.items()
+                }
+                for rate, sides in found.items()
+            },
+        )
+
+    def draw(self, result: Result, folder: Path) -> tuple[Path, ...]:
+        """Draw the answers' times."""
+        from bench.drawing import answer_times
+
+        curves = {
+            f"{rate} Hz": {
+                side: [
+                    median(column)
+                    for column in zip(*(r["ticks"]["curve"] for r in runs), strict=True)
+                ]
+                for side, runs in sides.items()
+            }
+            for rate, sides in result.data.items()
+        }
+        return (answer_times(curves, folder / "loop.png"),)
+
+
+def run_plain(rate: float, seconds: float) -> Measured:
+    """Let plain Zenoh echo, in as many processes as ours."""
+    return run_side(
+        {
+            role: module("bench.echo.plain_zenoh", *arguments(Part(role, rate, seconds, ECHO_PORT)))
+            for role in ROLES
+        },
+        seconds,
+    )
+
+
+def _checks(rate: int, sides: Runs, off: float) -> list[Check]:
+    checks = [
+        Check(
+            f"{rate} Hz, {OURS}: hand off its goal at worst", f"{1e3 * off:.2f} mm", off < MOST_OFF
+        )
+    ]
+    for side, runs in sides.items():
+        told = min(run.ticks["ticks"] / (run.ticks["ticks"] + run.ticks["missed"]) for run in runs)
+        silent = [
+            role for run in runs for role, answers in run.ticks["by_role"].items() if not answers
+        ]
+        text = f"{100 * told:.2f} % told, all answer" if not silent else f"no answer: {silent}"
+        checks.append(Check(f"{rate} Hz, {side}: ticks told", text, told > 0.9 and not silent))
+    return checks
+
+
+def _bars(found: Mapping[int, Runs]) -> list[Row]:
+    rows = []
+    if 1000 in found:
+        fast, plain = found[1000][OURS], found[1000][PLAIN]
+        slower = ratio([run.time("p99") for run in fast], [run.time("p99") for run in plain])
+        rows += [
+            _answered(1000, fast, 0.999),
+            Row(
+                "1 kHz: p99 beside plain Zenoh",
+                "at most 1.5 x",
+                slower.text(),
+                slower.median <= 1.5,
+            ),
+        ]
+    if 500 in found:
+        half = found[500][OURS]
+        cores = median(run.cores for run in half)
+        rows += [
+            _answered(500, half, 0.9999),
+            Row("500 Hz: all processes together", "under 1 core", f"{cores:.2f} cores", cores < 1),
+        ]
+    if 17 in found:
+        used = [usage for run in found[17][OURS] for usage in run.usage.values()]
+        cpu, pss = max(usage.cpu for usage in used), max(usage.pss for usage in used)
+        cost, size = f"{100 * cpu:.1f} %", f"{pss / 1e6:.1f} MB (PSS)"
+        rows += [
+            Row("60 ms: processor of each process", "under 5 % of a core", cost, cpu < 0.05),
+            Row("60 ms: memory of each process", "under 60 MB", size, pss < 60e6),
+        ]
+    return rows
+
+
+def _answered(rate: int, runs: Sequence[Measured], bar: float) -> Row:
+    due = sum(run.ticks["ticks"] + run.ticks["missed"] for run in runs)
+    share = sum(run.ticks["in_time"] for run in runs) / due
+    words = f"{100 * share:.3f} % of {due}"
+    return Row(f"{rate} Hz: answered by all in the period", f"{100 * bar:g} %", words, share >= bar)
+
+
+def _times(found: Mapping[int, Runs]) -> Table:
+    rows = []
+    for rate, sides in found.items():
+        for side, runs in sides.items():
+            due = sum(run.ticks["ticks"] + run.ticks["missed"] for run in runs)
+            times = [
+                f"{1e3 * median(run.time(which) for run in runs):.2f}"
+                for which in ("p50", "p99", "p999", "worst")
+            ]
+            beside = [
+                ratio([run.time(which) for run in runs], [run.time(which) for run in sides[PLAIN]])
+                for which in ("p50", "p99")
+            ]
+            share = sum(run.ticks["in_time"] for run in runs) / due
+            rows.append((f"{rate} Hz", side, *times, f"{100 * share:.3f} %",
+                         *(each.text() if side != PLAIN else "" for each in beside)))  # fmt: skip
+    head = ("rate", "side", "p50 [ms]", "p99", "p99.9", "max", "all in time",
+            "p50 beside plain", "p99 beside plain")  # fmt: skip
+    return Table("from state to command, at the plant", head, tuple(rows))
+
+
+def _costs(found: Mapping[int, Runs]) -> Table:
+    rows = []
+    for rate, sides in found.items():
+        for side, runs in sides.items():
+            cells = []
+            for group in (("plant",), ("goal",), ROLES[2:]):
+                used = [run.usage[role] for run in runs for role in group]
+                cells.append(f"{100 * median(usage.cpu for usage in used):.1f} %")
+            every = [usage for run in runs for usage in run.usage.values()]
+            rows.append((
+                f"{rate} Hz", side, *cells, f"{median(run.cores for run in runs):.2f}",
+                f"{max(usage.pss for usage in every) / 1e6:.1f}",
+                f"{max(usage.rss for usage in every) / 1e6:.1f}",
+                f"{max(usage.threads for usage in every)}",
+            ))  # fmt: skip
+    head = ("rate", "side", "plant: cpu", "goal", "an agent", "all: cores",
+            "largest PSS [MB]", "RSS [MB]", "threads")  # fmt: skip
+    return Table("what the processes cost", head, tuple(rows))
+
+
+NOTES = (
+    "Each round starts all processes of each side anew; times are medians over the rounds, shares "
+    "are of all their ticks, ratios are of the two sides in the same round (least to most).",
+    "Plain Zenoh has the same sessions, keys, sizes and number of processes; its agents send the "
+    "number of the tick back and do nothing else.",
+    "A tick counts as answered in time when the commands of all seven have arrived within its "
+    "period at the process that told it, by that process's clock. Ticks that it was too late to "
+    "tell count as not answered.",
+)

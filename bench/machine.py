@@ -1,0 +1,117 @@
+"""The machine that was measured on, and what else it did meanwhile."""
+
+import os
+import platform
+import socket
+import time
+from dataclasses import asdict, dataclass
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+_LIBRARIES = ("eclipse-zenoh", "numpy", "msgpack")
+_NAPS = 500  # of 1 ms, to see how late it wakes
+
+
+@dataclass(frozen=True)
+class Machine:
+    """A machine in words and numbers.
+
+    Attributes:
+        processor, cores: What computes, and how many of it this process may use.
+        memory: [bytes].
+        system, python: With their versions.
+        libraries: Name to version.
+        wakes_late: How late it wakes from a sleep of 1 ms: in half of all cases, and in 99 of
+            100 [s]. No loop in Python answers faster than that.
+        others: Load of the others when it began: how many wanted a core (1 minute's mean).
+    """
+
+    processor: str
+    cores: int
+    memory: int
+    system: str
+    python: str
+    libraries: dict[str, str]
+    wakes_late: tuple[float, float]
+    others: float
+
+    def text(self) -> str:
+        """Return it in one line."""
+        libraries = ", ".join(f"{name} {number}" for name, number in self.libraries.items())
+        half, most = (f"{1e3 * late:.2f}" for late in self.wakes_late)
+        return (
+            f"{self.processor}, {self.cores} cores, {self.memory / 2**30:.1f} GiB; {self.system}; "
+            f"Python {self.python}; {libraries}; a sleep of 1 ms ends {half} ms late (99 of 100: "
+            f"{most} ms); load before {self.others:.2f}"
+        )
+
+    def data(self) -> dict[str, Any]:
+        """Return it for JSON."""
+        return asdict(self)
+
+
+def describe() -> Machine:
+    """Look at the machine; takes half a second."""
+    late = sorted(_late() for _ in range(_NAPS))
+    return Machine(
+        processor=_processor(),
+        cores=len(os.sched_getaffinity(0)),
+        memory=os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"),
+        system=f"{platform.system()} {platform.release()}",
+        python=platform.python_version(),
+        libraries={name: found for name in _LIBRARIES if (found := _version(name))},
+        wakes_late=(late[_NAPS // 2], late[_NAPS * 99 // 100]),
+        others=os.getloadavg()[0],
+    )
+
+
+def _late() -> float:
+    until = time.monotonic() + 0.001
+    time.sleep(0.001)
+    return time.monotonic() - until
+
+
+def _processor() -> str:
+    try:
+        text = Path("/proc/cpuinfo").read_text(encoding="utf-8")
+    except OSError:
+        return platform.processor() or platform.machine()
+    names = [line.partition(":")[2] for line in text.splitlines() if line.startswith("model name")]
+    name = " ".join(names[0].split()) if names else platform.machine()
+    return f"{name} (virtual)" if "hypervisor" in text else name
+
+
+def _version(library: str) -> str | None:
+    try:
+        return version(library)
+    except PackageNotFoundError:
+        return None
+
+
+def host() -> str:
+    """Return the machine's name."""
+    return socket.gethostname()
+
+
+class Busy:
+    """How much of the machine was used, and taken by its host, since this was made."""
+
+    def __init__(self) -> None:
+        self._before = _processor_times()
+
+    def shares(self) -> tuple[float, float]:
+        """Return the shares of all cores that were busy, and that the host gave to others."""
+        spent = [now - then for now, then in zip(_processor_times(), self._before, strict=True)]
+        total = sum(spent) or 1.0
+        idle, stolen = spent[3] + spent[4], spent[7]
+        return (total - idle - stolen) / total, stolen / total
+
+
+def _processor_times() -> list[float]:
+    """User, nice, system, idle, iowait, irq, softirq, steal, in ticks of all cores together."""
+    try:
+        line = Path("/proc/stat").read_text(encoding="ascii").split("\n", 1)[0]
+    except OSError:
+        return [0.0] * 8
+    return [float(word) for word in line.split()[1:9]]

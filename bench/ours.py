@@ -1,0 +1,64 @@
+"""The processes of a deployment of ours as one side of a comparison."""
+
+import tempfile
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from bench.echo.side import Measured, module, run
+from runtime.config.deployment import Deployment, load
+from runtime.config.overrides import Override
+from runtime.launching.record import read_record
+from runtime.launching.verdict import SETTLING, errors
+from runtime.wire import keys
+
+ROOT = Path(__file__).parents[1]
+ARPH = ROOT / "deploy" / "arph.yaml"
+"""The paper's mobile arm: a plant, a goal, six joints and a platform."""
+
+
+@dataclass(frozen=True)
+class OurRun:
+    """What one run gave: as of any side, and how far off its goal the hand was.
+
+    error: the worst after `SETTLING`, or in the last half if the run was shorter [m]
+    """
+
+    measured: Measured
+    error: float
+
+
+def deployed(file: Path, *overrides: str) -> Deployment:
+    """Return a deployment with values replaced, each such as `period=1 ms`."""
+    made = []
+    for text in overrides:
+        path, _, value = text.partition("=")
+        made.append(Override(f"--set {text}", path, value))
+    return load(file, made)
+
+
+def run_ours(
+    deployment: Deployment,
+    seconds: float,
+    around: Callable[[list[str]], Sequence[str]] = lambda command: command,
+) -> OurRun:
+    """Start all processes of a deployment and measure for `seconds` [s].
+
+    around: wraps each command, such as with `nice`
+    """
+    with tempfile.TemporaryDirectory(prefix="msma-bench-") as place:
+        folder = Path(place)
+        file = folder / "deployment.yaml"
+        file.write_text(deployment.dump(), encoding="utf-8")
+        said = folder / "said"
+        commands = {keys.PLANT: around(module("bench.probe", str(file), place, f"{seconds:g}"))}
+        for role in deployment.roles:
+            if role != keys.PLANT:
+                words = ("agent", str(file), role, "--run", place)
+                commands[role] = around(module("runtime.cli", *words))
+        measured = run(commands, seconds, errors=said)
+        record = read_record(folder)
+    assert deployment.goal is not None
+    off = errors(record, deployment.goal.build())
+    late = record.t >= min(SETTLING, record.t[-1] / 2)
+    return OurRun(measured, float(off[late].max()))

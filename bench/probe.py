@@ -1,0 +1,45 @@
+"""Our plant as a process of its own, with the stop-watch of the benches in place of its meters."""
+
+import argparse
+from pathlib import Path
+
+from bench.ticks import Ticks
+from runtime.config.deployment import load
+from runtime.processes.answers import Answers
+from runtime.processes.plant_process import PlantLoop
+from runtime.processes.process import Process
+from runtime.wire import keys
+
+
+class Watched(Answers):
+    """Notes each tick told and each answer heard, exactly."""
+
+    def __init__(self, ticks: Ticks, period: float) -> None:
+        super().__init__(period)
+        self._ticks, self._step = ticks, period
+
+    def told(self, t: float, now: float) -> None:
+        """The state of plant time `t` [s] was told `now` [s]."""
+        self._ticks.told(round(t / self._step), now)
+
+    def heard(self, role: str, t: float, now: float) -> None:
+        """An answer of `role` to the state of `t` [s] arrived `now` [s]."""
+        self._ticks.heard(role, round(t / self._step), now)
+
+
+def main() -> int:
+    """Be the plant of a deployment, and measure for a while."""
+    parser = argparse.ArgumentParser(description="The plant, measured.")
+    parser.add_argument("file", type=Path)
+    parser.add_argument("run", type=Path)
+    parser.add_argument("seconds", type=float)
+    args = parser.parse_args()
+    deployment = load(args.file, only_role=keys.PLANT)
+    period = deployment.period
+    ticks = Ticks([agent.role for agent in deployment.agents], period, args.seconds)
+    with Process(deployment, keys.PLANT, args.file, args.run) as process:
+        return process.live(PlantLoop(process, Watched(ticks, period)))
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

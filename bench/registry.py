@@ -1,0 +1,19 @@
+"""The benches there are, by name; each is a module of its own."""
+
+from importlib import import_module
+
+from bench.bench import Bench, BenchError
+
+BENCHES = {
+    "loop": "bench.loop:LoopBench",
+}
+"""`module:Class` of each."""
+
+
+def bench(name: str) -> Bench:
+    """Return the bench of that name; `BenchError` names the ones there are."""
+    if name not in BENCHES:
+        raise BenchError(f"there is no bench {name!r}; valid are {', '.join(BENCHES)}, all")
+    module, _, kind = BENCHES[name].partition(":")
+    made: Bench = getattr(import_module(module), kind)()
+    return made

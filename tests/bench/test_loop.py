@@ -1,0 +1,87 @@
+"""A short run of the loop bench: both sides answer, and are weighed."""
+
+from pathlib import Path
+
+import pytest
+
+from bench.bench import BenchError
+from bench.echo.load import (
+    AGENTS,
+    GOAL_SIZE,
+    JOINT_COMMAND_SIZE,
+    PLATFORM_COMMAND_SIZE,
+    ROLES,
+    STATES,
+    Part,
+    answer,
+    arguments,
+    command_key,
+    message,
+    part_of,
+    tick_of,
+)
+from bench.echo.side import module, run
+from bench.loop import OURS, PLAIN, LoopBench
+from runtime.wire import keys
+from runtime.wire.messages import (
+    GoalMessage,
+    HandPose,
+    JointCommand,
+    JointStates,
+    Message,
+    PlatformCommand,
+    PlatformPose,
+    pack,
+)
+from studies.study import Watch
+
+BY, N, T = 1 << 62, 1000, 1.234
+
+
+def test_the_echo_sends_messages_as_large_as_ours() -> None:
+    three, four, six = (0.1, 0.1, 0.1), (0.5,) * 4, (0.1,) * 6
+    ours: dict[str, Message] = {
+        keys.PLATFORM: PlatformPose(T, 0.1, 0.1, 0.1, BY, N),
+        keys.HAND: HandPose(T, three, four, BY, N),
+        keys.JOINTS: JointStates(T, six, six, BY, N),
+    }
+    assert {key: len(pack(told)) for key, told in ours.items()} == STATES
+    assert len(pack(JointCommand(T, 0.1, BY, N))) == JOINT_COMMAND_SIZE
+    assert len(pack(PlatformCommand(T, 0.1, 0.1, BY, N))) == PLATFORM_COMMAND_SIZE
+    assert len(pack(GoalMessage(T, three, three, 0.1, 24.0, BY, N))) == GOAL_SIZE
+    assert [command_key(role) for role in AGENTS] == [
+        *(keys.joint_command(number) for number in range(1, 7)), keys.PLATFORM_COMMAND,
+    ]  # fmt: skip
+
+
+def test_an_answer_names_the_tick_it_answers() -> None:
+    state = message(12345, 155)
+    assert len(state) == 155
+    assert tick_of(answer("joint/1", state)) == 12345
+    assert len(answer("platform", state)) == PLATFORM_COMMAND_SIZE
+
+
+def test_a_part_is_told_by_the_command_line() -> None:
+    part = Part("joint/3", 1000.0, 2.5, 7600)
+    assert part_of(arguments(part)) == part
+    assert ROLES[0] == "plant"
+
+
+def test_both_sides_answer_and_are_weighed(tmp_path: Path) -> None:
+    bench = LoopBench({50: 1.0}, rounds=1)
+    result = bench.measure(1.0, Watch())
+    assert result.sound, result.checks
+    for side in (OURS, PLAIN):
+        (found,) = result.data["50"][side]
+        assert found["ticks"]["ticks"] + found["ticks"]["missed"] == 50
+        assert set(found["usage"]) == set(ROLES)
+        assert all(usage["pss"] > 1e6 for usage in found["usage"].values())
+    times, costs = result.tables
+    assert len(times.rows) == len(costs.rows) == 2
+    (picture,) = bench.draw(result, tmp_path)
+    assert picture.stat().st_size > 5000
+
+
+def test_a_side_whose_plant_ends_is_said_to_have_ended() -> None:
+    with pytest.raises(BenchError, match="has ended"):
+        run({"plant": module("bench.no_such_module")}, 1.0)
