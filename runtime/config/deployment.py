@@ -1,7 +1,7 @@
 """What is to run: a robot, its agents, where they are led, and what goes wrong on the way."""
 
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
@@ -10,11 +10,13 @@ import yaml
 
 from agents.agent import Agent
 from runtime.config.chaos import LAUNCHER, WATCHER, ChaosEvent
+from runtime.config.hosts import HostName, HostSpec, here_alone
 from runtime.config.kinds import Output, Pattern, Range, Scope
 from runtime.config.overrides import Override
 from runtime.config.reading import Derived, kind_of
 from runtime.config.specs import AgentSpec, Description, GoalSpec, PlantSpec, Start
 from runtime.config.tree import ConfigError, Node, read_file, valid_are
+from runtime.wire.mesh import Mesh
 from runtime.wire.ports import FIRST_COPY, SLOTS, port_base
 
 Name = Annotated[str, Pattern("[A-Za-z0-9][A-Za-z0-9_-]{0,63}", "a robot's name", "arph")]
@@ -37,6 +39,8 @@ class Deployment:
         port: The first of 128 ports that are the robot's; by default it follows from its name.
         runs: The folder for what is recorded.
         modules: A folder with classes of the user's own; by default the one of this file.
+        hosts: The machines that it runs on; without them all is on this one, and no other machine
+            can reach it.
         start: Where the robot stands at first.
         plant: How the simulated robot behaves.
         goal: The path that the goal takes; without one, an operator moves it.
@@ -55,6 +59,7 @@ class Deployment:
     port: Annotated[Port, Derived(lambda scope: port_base(scope["robot"]))]
     runs: Annotated[Path, Output(), Derived(lambda _: Path.cwd() / "runs")]
     modules: Annotated[Path, Derived(lambda scope: scope["folder"])]
+    hosts: Annotated[Mapping[HostName, HostSpec], Derived(here_alone)]
     start: Start
     plant: PlantSpec
     goal: GoalSpec | None = None
@@ -73,9 +78,18 @@ class Deployment:
             raise ConfigError(f"nothing runs as {role!r}{valid_are(role, self.roles)}")
         return self.roles.index(role)
 
-    def port_of(self, role: str) -> int:
-        """Return the port that the role's process listens on."""
-        return self.port + self.slot(role)
+    def host_of(self, role: str) -> str:
+        """Return the name of the host that the role has its process on."""
+        if role == "plant":
+            return self.plant.host
+        if role == "goal" and self.goal is not None:
+            return self.goal.host
+        return self.agent(role).host
+
+    @property
+    def mesh(self) -> Mesh:
+        """Where its processes find each other."""
+        return Mesh(self.port, tuple(self.hosts[self.host_of(role)].address for role in self.roles))
 
     def agent(self, role: str) -> AgentSpec:
         """Return the agent in that role, or raise `ConfigError`."""

@@ -219,6 +219,31 @@ class Items(Kind):
 
 
 @dataclass(frozen=True)
+class Table(Kind):
+    """A mapping from names that the user chooses to values of one kind."""
+
+    key: Kind
+    value: Kind
+
+    @property
+    def such_as(self) -> str:
+        """One name with its value."""
+        return f"{{{self.key.such_as}: {self.value.such_as}}}"
+
+    def read(self, node: Node, scope: Scope) -> dict[str, Any]:
+        """Return the values by their names, in the order in which they were written."""
+        if not isinstance(node.value, dict) or not node.value:
+            raise node.error(f"{node.text!r} is not a mapping, such as {self.such_as}")
+        for name, child in node.value.items():
+            self.key.read(Node(child.key or child.place, name, name, node), scope)
+        return {name: self.value.read(child, scope) for name, child in node.value.items()}
+
+    def write(self, value: Any) -> dict[str, Any]:
+        """Return the mapping."""
+        return {name: self.value.write(each) for name, each in value.items()}
+
+
+@dataclass(frozen=True)
 class Maybe(Kind):
     """A value, or null for None."""
 

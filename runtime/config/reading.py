@@ -2,14 +2,14 @@
 
 What a value may be is said once, where it is declared: in a dataclass, or in the signature of a
 class that a deployment names. `kind_of` understands `float`, `int`, `bool`, `str`, `Path`,
-`Literal`, `tuple`, `X | None`, dataclasses, classes with a `from_node`, and `Annotated` with a
-unit such as "m/s" (which goes for each number of a tuple too) or with a mark.
+`Literal`, `tuple`, `Mapping`, `X | None`, dataclasses, classes with a `from_node`, and `Annotated`
+with a unit such as "m/s" (which goes for each number of a tuple too) or with a mark.
 """
 
 import inspect
 import math
 from collections import ChainMap
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import MISSING, dataclass, fields, is_dataclass
 from functools import cache
 from pathlib import Path
@@ -39,6 +39,7 @@ from runtime.config.kinds import (
     Quantity,
     Range,
     Scope,
+    Table,
     Text,
     Whole,
 )
@@ -111,7 +112,8 @@ class Field:
 class Record(Kind):
     """A mapping that becomes a dataclass, whose `check(node, scope)` may refuse it.
 
-    If the class has `one_of`, one of these keys is given.
+    If the class has `one_of`, one of these keys is given; if it has `short`, what is no mapping
+    stands for that key's value.
 
     rest: the field that takes all other keys, and what these are
     """
@@ -123,10 +125,15 @@ class Record(Kind):
     @property
     def such_as(self) -> str:
         """Its first key."""
-        return f"{{{self.fields[0].key}: {self.fields[0].kind.such_as}, ...}}"
+        first = self.fields[0]
+        if hasattr(self.type, "short"):
+            return first.kind.such_as
+        return f"{{{first.key}: {first.kind.such_as}, ...}}"
 
     def read(self, node: Node, scope: Scope) -> Any:
         """Return the dataclass, made of what the mapping says and of defaults."""
+        if isinstance(node.value, str) and (short := getattr(self.type, "short", "")):
+            node = Node(node.place, {short: node}, node.name, node.parent, node.key)
         if not isinstance(node.value, dict):
             raise node.error(f"{node.text!r} is not a mapping, such as {self.such_as}")
         _refuse_others(node, self.fields, allowed=self.rest is not None)
@@ -220,6 +227,8 @@ def kind_of(annotation: Any, unit: Unit = "1") -> Kind:
         many = args[-1:] == (Ellipsis,)
         items = tuple(kind_of(arg, unit) for arg in args if arg is not Ellipsis)
         return Items(items, many, bare=_mark(marks, OneOrMore) is not None)
+    if origin is Mapping:
+        return Table(*(kind_of(arg) for arg in args))
     if origin is Literal:
         return Choice({str(value): value for value in args})
     if hasattr(base, "from_node"):

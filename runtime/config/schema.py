@@ -6,7 +6,7 @@ import re
 from dataclasses import MISSING
 from typing import Any
 
-from runtime.config.kinds import Choice, Items, Kind, Maybe, Quantity, Range, Text, Whole
+from runtime.config.kinds import Choice, Items, Kind, Maybe, Quantity, Range, Table, Text, Whole
 from runtime.config.reading import Record, kind_of
 
 _NUMBER = r"([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?"
@@ -45,6 +45,12 @@ def _of(kind: Kind) -> dict[str, Any]:
             return {"type": "array", "prefixItems": items, "minItems": count, "maxItems": count}
         case Maybe(inner):
             return {"anyOf": [_of(inner), {"type": "null"}]}
+        case Table(key, value):
+            names = _of(key)
+            return {"type": "object", "propertyNames": names, "additionalProperties": _of(value)}
+        case Record(type=of) if hasattr(of, "short"):
+            short = next(field.kind for field in kind.fields if field.name == of.short)
+            return {"anyOf": [_of(short), _object(kind)]}
         case Record():
             return _object(kind)
         case _:

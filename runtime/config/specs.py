@@ -14,12 +14,12 @@ from agents.paths import Path as GoalPath
 from plant import urdf
 from plant.robot import Robot
 from runtime.config.classes import AgentClass, PathClass, blame
+from runtime.config.hosts import Home, check_home
 from runtime.config.kinds import Pattern, Range, Scope, Text
 from runtime.config.reading import Derived, Rest
 from runtime.config.tree import Node, valid_are
 
 Role = Annotated[str, Pattern("[a-z][a-z0-9_-]*(/[0-9]+)?", "a role", "joint/1")]
-Host = Annotated[str, Pattern("[A-Za-z0-9][A-Za-z0-9._-]*", "a host's name", "local")]
 Metres = Annotated[float, "m"]
 Radians = Annotated[float, "rad"]
 
@@ -101,14 +101,17 @@ class PlantSpec:
     Attributes:
         hold: A command older than this [s] counts no more: the joint is brought to rest.
             By default 4 periods.
+        host: Where it runs, by default on the first host.
     """
 
     hold: Annotated[
         float, "s", Range(such_as="240 ms", above=0), Derived(lambda scope: 4 * scope["period"])
     ]
+    host: Home
 
     def check(self, node: Node, scope: Scope) -> None:
-        """Refuse a hold that ends before the next command can come."""
+        """Refuse an unknown host, and a hold that ends before the next command can come."""
+        check_home(self.host, node, scope)
         period = scope["period"]
         if self.hold < period:
             hold = node.find("hold")
@@ -121,10 +124,12 @@ class GoalSpec:
 
     Attributes:
         class_: A class of paths, `module:Class`; its parameters are given beside it.
+        host: Where it runs, by default on the first host.
         parameters: Those parameters in SI, with the defaults.
     """
 
     class_: PathClass
+    host: Home
     parameters: Annotated[Mapping[str, Any], Rest(_rest)]
 
     def build(self) -> GoalPath:
@@ -133,7 +138,8 @@ class GoalSpec:
         return path
 
     def check(self, node: Node, scope: Scope) -> None:
-        """Refuse parameters that the class refuses."""
+        """Refuse parameters that the class refuses, and a host that is not there."""
+        check_home(self.host, node, scope)
         if self.class_.is_loaded:
             blame(node, self.build)
 
@@ -145,14 +151,14 @@ class AgentSpec:
     Attributes:
         role: What it moves: joint/1, joint/2 and so on, or platform.
         class_: A class of agents, `module:Class`; its parameters are given beside it.
-        host: Where it runs.
+        host: Where it runs, by default on the first host.
         parameters: Those parameters in SI, with the defaults; as written if the class was not
             loaded, being another role's.
     """
 
     role: Role
     class_: AgentClass
-    host: Host = "local"
+    host: Home
     parameters: Annotated[Mapping[str, Any], Rest(_rest)]
 
     @property
@@ -176,5 +182,6 @@ class AgentSpec:
         if self.role not in valid:
             what = f"{robot.name} has no {self.role!r} to move"
             raise node.find("role").error(f"{what}{valid_are(self.role, valid)}")
+        check_home(self.host, node, scope)
         if self.class_.is_loaded:
             blame(node, lambda: self.build(robot, scope["period"], [0]))

@@ -15,7 +15,7 @@ from runtime.launching.finding import Target, is_taken, robots_here
 from runtime.launching.local import diags
 from runtime.wire import keys
 from runtime.wire.bus import Bus
-from runtime.wire.mesh import HOST, visitor
+from runtime.wire.mesh import LOOPBACK
 from runtime.wire.ports import SLOTS
 
 _LIBRARIES = {"eclipse-zenoh": (1, 10), "msgpack": (1,), "numpy": (1, 26), "pyyaml": (6,)}
@@ -57,7 +57,7 @@ def place(target: Target, roles: int) -> Iterator[Finding]:
     running = set(robots_here())
     others = sorted(running - {target.robot})
     yield Finding(Grade.OK, "other robots", ", ".join(others) or "none run here")
-    with Bus(target.robot, "a tool", visitor(target.port), incarnation=0) as bus:
+    with Bus(target.robot, "a tool", target.mesh.visitor(), incarnation=0) as bus:
         told = diags(bus)
     if told:
         there = ", ".join(sorted({diag.role for diag in told}))
@@ -66,12 +66,13 @@ def place(target: Target, roles: int) -> Iterator[Finding]:
             detail = "none there: the others end by themselves; `msma revive plant` starts one"
             yield Finding(Grade.BAD, "plant", detail)
         return
-    taken = [port for port in range(target.port, target.port + SLOTS) if is_taken(port)]
-    ports = f"{target.port} to {target.port + SLOTS - 1}"
+    base = target.mesh.base
+    taken = [port for port in range(base, base + SLOTS) if is_taken(port)]
+    ports = f"{base} to {base + SLOTS - 1}"
     if not taken:
         yield Finding(Grade.OK, "ports", f"{ports} are free")
     else:
-        wanted = any(port < target.port + roles for port in taken)
+        wanted = any(port < base + roles for port in taken)
         detail = f"{', '.join(map(str, taken))} of {ports} taken by others; set `port` in the file"
         yield Finding(Grade.BAD if wanted else Grade.WARN, "ports", detail)
 
@@ -110,7 +111,7 @@ def _files() -> Finding:
 def _loopback() -> Finding:
     """Send something there and back, as all messages go."""
     try:
-        with socket.create_server((HOST, 0)) as server:
+        with socket.create_server((LOOPBACK, 0)) as server:
             address = server.getsockname()
             with socket.create_connection(address, timeout=1.0) as here:
                 there, _ = server.accept()
@@ -121,7 +122,9 @@ def _loopback() -> Finding:
                     here.recv(1)
                     took = time.monotonic() - began
     except OSError as error:
-        return Finding(Grade.BAD, "loopback", f"{HOST} does not work: {error}; `ip link set lo up`")
+        return Finding(
+            Grade.BAD, "loopback", f"{LOOPBACK} does not work: {error}; `ip link set lo up`"
+        )
     grade = Grade.WARN if took > _SLOW else Grade.OK
     return Finding(grade, "loopback", f"there and back in {1e3 * took:.2f} ms")
 

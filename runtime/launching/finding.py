@@ -13,7 +13,7 @@ from runtime.config.overrides import Override
 from runtime.launching.failures import RunError
 from runtime.wire import keys
 from runtime.wire.bus import Bus
-from runtime.wire.mesh import HOST, Place, visitor
+from runtime.wire.mesh import LOOPBACK, Address, Mesh, Place, on_loopback
 from runtime.wire.ports import ALL_BASES, port_base
 
 _LOOKED_AT = 8  # ports of each robot: of plant, goal and the first agents
@@ -21,10 +21,10 @@ _PATIENCE = 1.0  # [s]
 
 
 class Target(NamedTuple):
-    """A robot to visit: its name, and the first of its ports."""
+    """A robot to visit: its name, and where its processes are."""
 
     robot: str
-    port: int
+    mesh: Mesh
 
 
 def add_target_options(parser: argparse.ArgumentParser) -> None:
@@ -34,7 +34,9 @@ def add_target_options(parser: argparse.ArgumentParser) -> None:
     )
     group.add_argument("--robot", metavar="NAME", help="its name on the network")
     group.add_argument(
-        "--file", metavar="FILE", help="its deployment file; needed if that sets its port"
+        "--file",
+        metavar="FILE",
+        help="its deployment file; needed if that sets its port or hosts",
     )
 
 
@@ -43,12 +45,12 @@ def target_of(args: argparse.Namespace) -> Target:
     if args.file is not None:
         name = [Override("--robot", "robot", json.dumps(args.robot))] if args.robot else []
         deployment = load(args.file, name, keys.PLANT)
-        return Target(deployment.robot, deployment.port)
+        return Target(deployment.robot, deployment.mesh)
     if args.robot is not None:
-        return Target(args.robot, port_base(args.robot))
+        return Target(args.robot, on_loopback(port_base(args.robot)))
     running = robots_here()
     if len(running) == 1:
-        return Target(running[0], port_base(running[0]))
+        return Target(running[0], on_loopback(port_base(running[0])))
     if running:
         raise RunError(f"several robots run here: {', '.join(running)}; say which: --robot NAME")
     raise RunError("no robot runs here; if its file sets its port, give the file: --file FILE")
@@ -64,17 +66,18 @@ def robots_here() -> list[str]:
     taken = tuple(port for port in ports if is_taken(port))
     if not taken:
         return []
-    with Bus(None, "a tool", Place(0, taken), random.getrandbits(63)) as bus:
+    place = Place(Address(LOOPBACK, 0), tuple(Address(LOOPBACK, port) for port in taken))
+    with Bus(None, "a tool", place, random.getrandbits(63)) as bus:
         answers = bus.ask(f"*/{keys.EVERY_DIAG}", timeout=_PATIENCE)
     return sorted({answer.key.partition("/")[0] for answer in answers})
 
 
-def is_taken(port: int) -> bool:
-    """Tell whether somebody listens on a port of this host."""
+def is_taken(port: int, host: str = LOOPBACK) -> bool:
+    """Tell whether somebody listens on a port of this machine, at one of its addresses."""
     with socket.socket() as probe:
         probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
-            probe.bind((HOST, port))
+            probe.bind((host, port))
         except OSError:
             return True
     return False
@@ -83,9 +86,9 @@ def is_taken(port: int) -> bool:
 @contextmanager
 def visit(target: Target) -> Iterator[Bus]:
     """Join the bus of a running robot as a tool; `RunError` if nothing runs there."""
-    with Bus(target.robot, "a tool", visitor(target.port), random.getrandbits(63)) as bus:
+    mesh = target.mesh
+    with Bus(target.robot, "a tool", mesh.visitor(), random.getrandbits(63)) as bus:
         if not bus.who_is_alive(_PATIENCE):
-            raise RunError(
-                f"nothing of robot {target.robot} runs (ports {target.port} and up of this host)"
-            )
+            where = f"ports {mesh.base} and up of {', '.join(mesh.addresses)}"
+            raise RunError(f"nothing of robot {target.robot} runs ({where})")
         yield bus

@@ -19,7 +19,6 @@ from runtime.processes.ending import Ending
 from runtime.processes.journal import Journal, new_run_folder
 from runtime.processes.life import Life
 from runtime.wire.bus import Bus
-from runtime.wire.mesh import visitor
 
 if TYPE_CHECKING:
     from runtime.launching.screen import (
@@ -118,8 +117,7 @@ class Launcher:
 
     def _visit(self) -> Bus:
         deployment = self._deployment
-        place = visitor(deployment.port, len(deployment.roles))
-        return Bus(deployment.robot, "launcher", place, incarnation=0)
+        return Bus(deployment.robot, "launcher", deployment.mesh.visitor(), incarnation=0)
 
     def _stay(self) -> None:
         """Watch until the run is over, nothing is left of it, or somebody interrupts it."""

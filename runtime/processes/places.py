@@ -7,7 +7,6 @@ from runtime.config.deployment import Deployment
 from runtime.wire import keys
 from runtime.wire.bus import Bus, BusError
 from runtime.wire.fields import MessageError
-from runtime.wire.mesh import seat
 from runtime.wire.messages import Diag, unpack
 from runtime.wire.ports import FIRST_COPY, SLOTS
 
@@ -20,13 +19,13 @@ def join(deployment: Deployment, role: str, incarnation: int, *, copy: bool = Fa
     A copy, which stands by for a role that runs already, takes the first free place of those
     for copies.
     """
-    slots = len(deployment.roles)
+    mesh = deployment.mesh
     if not copy:
-        place = seat(deployment.port, deployment.slot(role), slots)
-        return Bus(deployment.robot, role, place, incarnation)
+        return Bus(deployment.robot, role, mesh.seat(deployment.slot(role)), incarnation)
+    home = deployment.hosts[deployment.host_of(role)].address
     for slot in range(FIRST_COPY, SLOTS):
         try:
-            return Bus(deployment.robot, role, seat(deployment.port, slot, slots), incarnation)
+            return Bus(deployment.robot, role, mesh.copy_seat(slot, home), incarnation)
         except BusError as error:
             taken = error
     raise taken

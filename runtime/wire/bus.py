@@ -15,8 +15,9 @@ from zenoh.handlers import Handler, RingChannel
 
 from plant.errors import MsmaError
 from runtime.wire import keys
-from runtime.wire.mesh import HOST, Place, config
+from runtime.wire.mesh import Place
 from runtime.wire.messages import LARGEST, Message, pack, stamp
+from runtime.wire.session import config
 
 _LINGER = 0.1  # [s] that an answer has to leave before the bus is closed: closing drops what waits
 _OVERSIZE = bytes(LARGEST + 1)  # stands for what is too large to be looked at
@@ -218,10 +219,13 @@ class Bus:
 
 
 def _why(robot: str | None, role: str, place: Place, error: str) -> str:
+    host, port = place.listen
+    if "assign requested address" in error:
+        return f"{role} of {robot} runs on another machine: this one does not have address {host}"
     if "in use" not in error:
         return f"{role} cannot join the bus of {robot}: {error}"
     return (
-        f"{role} cannot join the bus of {robot}: port {place.listen} of {HOST} is taken. Perhaps "
+        f"{role} cannot join the bus of {robot}: port {port} of {host} is taken. Perhaps "
         f"{role} runs already (see `msma status --robot {robot}`): stop it first with `msma stop`, "
         f"or start this one beside it with `--copy`. If another program has the port, set `port` "
         f"in the deployment file, or name the robot otherwise"

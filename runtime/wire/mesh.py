@@ -1,71 +1,89 @@
 """Where the processes of a robot listen and whom they dial: a mesh that any one may leave.
 
-Each process has a slot with a port of its own and dials the lower slots only. Of every two the
-higher one dials, so they never end up with half a connection each; and whoever dies, newcomers
-are still dialled by the higher and dial the lower ones.
+Each process has a slot with a port of its own, at the address of its host, and dials the lower
+slots only. Of every two the higher one dials, so they never end up with half a connection each;
+and whoever dies, newcomers are still dialled by the higher and dial the lower ones.
 """
 
-import json
 from typing import NamedTuple
-
-import zenoh
 
 from runtime.wire.ports import FIRST_COPY, SLOTS
 
-HOST = "127.0.0.1"
+LOOPBACK = "127.0.0.1"
+
+
+class Address(NamedTuple):
+    """A host's address or name on the network, and a port of it."""
+
+    host: str
+    port: int
+
+    def __str__(self) -> str:
+        return f"[{self.host}]:{self.port}" if ":" in self.host else f"{self.host}:{self.port}"
 
 
 class Place(NamedTuple):
-    """Where a process listens (port 0: anywhere) and which ports it dials, all on this host."""
+    """Where a process listens (port 0: anywhere) and whom it dials.
 
-    listen: int
-    dials: tuple[int, ...]
-
-
-def seat(base: int, slot: int, slots: int) -> Place:
-    """Return the place of a role's slot, or of a copy's slot beside `slots` roles."""
-    lower = [*range(min(slot, slots)), *range(FIRST_COPY, slot)]
-    return Place(base + slot, tuple(base + one for one in lower))
-
-
-def visitor(base: int, roles: int = FIRST_COPY) -> Place:
-    """Return the place of a tool, which dials all roles and copies and is dialled by none.
-
-    Dialling 128 slots of which 10 answer costs it 0.1 s at the start and 2 % of a core, so one
-    that stays long should say how many roles there are.
+    elsewhere: how many roles there are on other hosts than its own
     """
-    return Place(0, tuple(base + slot for slot in (*range(roles), *range(FIRST_COPY, SLOTS))))
+
+    listen: Address
+    dials: tuple[Address, ...]
+    elsewhere: int = 0
 
 
-def config(robot: str | None, place: Place) -> zenoh.Config:
-    """Return the session's configuration: what held when processes were killed and stopped.
+class Mesh(NamedTuple):
+    """Where the roles of a robot are at home.
 
-    Without a robot's name, keys are those of all robots, each below its robot's name.
+    base: the first of the robot's ports, which are the same on every host
+    homes: the address of each role's host, in the order of their slots
     """
-    return zenoh.Config.from_json5(
-        json.dumps(
-            {
-                "mode": "peer",
-                "namespace": robot,
-                "listen": {"endpoints": [f"tcp/{HOST}:{place.listen}"]},
-                "connect": {
-                    "endpoints": [f"tcp/{HOST}:{port}" for port in place.dials],
-                    "retry": {
-                        "period_init_ms": 100,
-                        "period_max_ms": 500,
-                        "period_increase_factor": 1.5,
-                    },
-                },
-                "scouting": {
-                    "delay": 100,  # [ms] that opening waits for a dialled slot that is empty
-                    "multicast": {"enabled": False},
-                    "gossip": {"enabled": False},
-                },
-                "transport": {
-                    "link": {"tx": {"lease": 250, "keep_alive": 4}},  # [ms], keep-alives a lease
-                    "unicast": {"open_timeout": 1000, "accept_timeout": 1000},  # [ms]
-                    "shared_memory": {"enabled": False},  # it leaks when a process is killed
-                },
-            }
-        )
-    )
+
+    base: int
+    homes: tuple[str, ...]
+
+    @property
+    def addresses(self) -> tuple[str, ...]:
+        """The addresses of all hosts."""
+        return tuple(dict.fromkeys(self.homes))
+
+    def seat(self, slot: int) -> Place:
+        """Return the place of a role's process."""
+        home = self.homes[slot]
+        return Place(Address(home, self.base + slot), self._roles(slot), self._elsewhere(home))
+
+    def copy_seat(self, slot: int, home: str) -> Place:
+        """Return the place of a copy in one of the slots for copies of the host `home`.
+
+        A slot's port is there on each host, so of two copies in one slot the host decides.
+        """
+        before = self.addresses.index(home)
+        same = (Address(address, self.base + slot) for address in self.addresses[:before])
+        dials = (*self._roles(len(self.homes)), *self._copies(slot), *same)
+        return Place(Address(home, self.base + slot), dials, self._elsewhere(home))
+
+    def visitor(self) -> Place:
+        """Return the place of a tool, which dials all roles and copies and is dialled by none.
+
+        Dialling 128 slots of which 10 answer costs it 0.1 s at the start and 2 % of a core, so it
+        is worth knowing how many roles there are.
+        """
+        dials = (*self._roles(len(self.homes)), *self._copies(SLOTS))
+        return Place(Address(LOOPBACK, 0), dials, self._elsewhere(LOOPBACK))
+
+    def _roles(self, below: int) -> tuple[Address, ...]:
+        homes = self.homes[:below]
+        return tuple(Address(home, self.base + slot) for slot, home in enumerate(homes))
+
+    def _copies(self, below: int) -> tuple[Address, ...]:
+        slots = range(FIRST_COPY, below)
+        return tuple(Address(home, self.base + slot) for slot in slots for home in self.addresses)
+
+    def _elsewhere(self, home: str) -> int:
+        return sum(other != home for other in self.homes)
+
+
+def on_loopback(base: int, roles: int = FIRST_COPY) -> Mesh:
+    """Return the mesh of a robot that is all on this machine, with up to so many roles."""
+    return Mesh(base, (LOOPBACK,) * roles)

@@ -19,7 +19,7 @@ from runtime.launching.finding import is_taken
 from runtime.launching.record import read_log
 from runtime.wire import keys
 from runtime.wire.bus import Bus
-from runtime.wire.mesh import HOST, visitor
+from runtime.wire.mesh import LOOPBACK, on_loopback
 from runtime.wire.messages import Diag, unpack
 from runtime.wire.ports import SLOTS, port_base
 
@@ -74,7 +74,7 @@ class Crew:
 
     def visit(self) -> Bus:
         """Join the bus as a tool does."""
-        place = visitor(self.port, 16)
+        place = on_loopback(self.port, 16).visitor()
         return self._stack.enter_context(Bus(self.robot, "a test", place, random.getrandbits(60)))
 
     def diag(self, bus: Bus, role: str) -> Diag | None:
@@ -228,7 +228,7 @@ def _free_ports() -> tuple[int, socket.socket]:
         base = random.randrange(20000, 32000 - SLOTS, SLOTS)
         mark = socket.socket()
         try:
-            mark.bind((HOST, base + SLOTS - 1))
+            mark.bind((LOOPBACK, base + SLOTS - 1))
             mark.listen()
         except OSError:
             mark.close()

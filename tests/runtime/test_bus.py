@@ -12,7 +12,7 @@ import zenoh
 from plant.errors import MsmaError
 from runtime.wire import keys
 from runtime.wire.bus import Bus, BusError, Ring
-from runtime.wire.mesh import HOST, seat, visitor
+from runtime.wire.mesh import LOOPBACK, on_loopback
 from runtime.wire.messages import LARGEST, JointCommand, pack, unpack
 from tests.runtime.conftest import Crew, wait_for
 
@@ -27,12 +27,13 @@ class Street:
         self._crew, self._stack = crew, stack
 
     def join(self, slot: int, robot: str = "") -> Bus:
-        place = seat(self._crew.port, slot, ROLES)
+        mesh = on_loopback(self._crew.port, ROLES)
+        place = mesh.seat(slot) if slot < ROLES else mesh.copy_seat(slot, LOOPBACK)
         bus = Bus(robot or self._crew.robot, f"joint/{slot}", place, random.getrandbits(60))
         return self._stack.enter_context(bus)
 
     def visit(self) -> Bus:
-        bus = Bus(self._crew.robot, "tool", visitor(self._crew.port), 1)
+        bus = Bus(self._crew.robot, "tool", on_loopback(self._crew.port, ROLES).visitor(), 1)
         return self._stack.enter_context(bus)
 
 
@@ -139,7 +140,13 @@ def test_a_port_that_is_taken_says_who_may_have_it_and_what_to_do(
     street.join(1)
     with pytest.raises(BusError) as caught:
         street.join(1)
-    for part in (f"port {crew.port + 1} of {HOST}", "joint/1", crew.robot, "msma stop", "--copy"):
+    for part in (
+        f"port {crew.port + 1} of {LOOPBACK}",
+        "joint/1",
+        crew.robot,
+        "msma stop",
+        "--copy",
+    ):
         assert part in str(caught.value)
 
 

@@ -109,7 +109,7 @@ def test_slots_are_plant_goal_and_the_agents_as_listed() -> None:
     deployment = read(GOOD, port="7000")
     assert deployment.roles == ("plant", "goal", "joint/1", "joint/2", "platform")
     assert deployment.slot("platform") == 4
-    assert deployment.port_of("joint/1") == 7002
+    assert deployment.mesh.seat(2).listen == ("127.0.0.1", 7002)
     with pytest.raises(ConfigError, match="nothing runs as 'joint/3'; did you mean 'joint/2'"):
         deployment.slot("joint/3")
 
@@ -253,7 +253,7 @@ OVERRIDES = {
     "agents.joint/1.bounds": quoted(st.lists(st.floats(-9, 9), min_size=2)),
     "agents.joint/1.note": st.one_of(quoted(st.text()), st.just("~")),
     "agents.joint/1.eager": st.sampled_from(["yes", "no", "true", "off"]),
-    "agents.platform.host": quoted(st.from_regex("[A-Za-z0-9][A-Za-z0-9._-]{0,9}", fullmatch=True)),
+    "hosts": st.sampled_from(["{a: 10.0.0.1}", "{b-2: {address: '::1', ssh: me@b}, a: a.local}"]),
     "chaos.+": st.sampled_from(["{at: 1, stop: goal}", "{at: 2 s, fault: 'joint/2:weak=20 %'}"]),
 }
 

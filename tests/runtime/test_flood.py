@@ -8,7 +8,7 @@ import pytest
 
 from runtime.wire import keys
 from runtime.wire.bus import Bus
-from runtime.wire.mesh import visitor
+from runtime.wire.mesh import on_loopback
 from runtime.wire.messages import (
     GoalMessage,
     HandPose,
@@ -60,7 +60,7 @@ def test_in_a_flood_the_run_reaches_its_goal_and_status_counts_what_was_refused(
 ) -> None:
     launcher = robot.launch("--duration", "19s")
     robot.until(1.0)
-    place = visitor(port_base(robot.name), 16)
+    place = on_loopback(port_base(robot.name), 16).visitor()
     with Bus(robot.name, "a test", place, random.getrandbits(60)) as bus:
         flood(bus, 10_000, seconds=12.0, rng=random.Random(7))
     told = json.loads(robot.tool("status", "--json").stdout)

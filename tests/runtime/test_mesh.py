@@ -2,24 +2,51 @@ from itertools import combinations
 
 import pytest
 
-from runtime.wire.mesh import seat, visitor
+from runtime.wire.mesh import Address, Mesh, Place, on_loopback
 from runtime.wire.ports import FIRST_COPY, SLOTS, port_base
 
-BASE, ROLES = 9000, 9
-SLOTS_IN_USE = [*range(ROLES), *range(FIRST_COPY, FIRST_COPY + 3)]
+BASE = 9000
+ROBOT, ARM, BACK = "10.0.0.1", "10.0.0.2", "fd00::3"
+HOMES = (ROBOT, BACK, ARM, ARM, ARM, BACK)
+COPIES = ((FIRST_COPY, ROBOT), (FIRST_COPY, ARM), (FIRST_COPY + 1, ARM), (FIRST_COPY + 2, BACK))
 
 
-@pytest.mark.parametrize(("low", "high"), list(combinations(SLOTS_IN_USE, 2)))
-def test_of_every_two_processes_the_higher_one_dials(low: int, high: int) -> None:
-    below, above = seat(BASE, low, ROLES), seat(BASE, high, ROLES)
-    assert below.listen in above.dials
-    assert above.listen not in below.dials
+def places(mesh: Mesh) -> list[Place]:
+    """Return the places of all roles and some copies."""
+    roles = [mesh.seat(slot) for slot in range(len(mesh.homes))]
+    return roles + [mesh.copy_seat(slot, home) for slot, home in COPIES if home in mesh.homes]
 
 
-def test_a_tool_dials_every_slot_and_is_dialled_by_none() -> None:
-    tool = visitor(BASE)
-    assert tool.listen == 0
-    assert {seat(BASE, slot, ROLES).listen for slot in range(SLOTS)} <= set(tool.dials)
+@pytest.mark.parametrize(
+    ("one", "other"),
+    list(combinations(places(Mesh(BASE, HOMES)), 2)),
+    ids=lambda place: str(place.listen),
+)
+def test_of_every_two_processes_one_dials_the_other_wherever_they_are(
+    one: Place, other: Place
+) -> None:
+    assert (one.listen in other.dials) != (other.listen in one.dials)
+
+
+def test_a_process_listens_at_its_host_s_address() -> None:
+    mesh = Mesh(BASE, HOMES)
+    assert [mesh.seat(slot).listen.host for slot in range(len(HOMES))] == list(HOMES)
+    assert str(mesh.seat(1).listen) == f"[fd00::3]:{BASE + 1}"
+    assert mesh.copy_seat(FIRST_COPY, ARM).listen == Address(ARM, BASE + FIRST_COPY)
+
+
+def test_a_tool_dials_every_place_and_is_dialled_by_none() -> None:
+    mesh = Mesh(BASE, HOMES)
+    tool = mesh.visitor()
+    assert tool.listen.port == 0
+    assert {place.listen for place in places(mesh)} <= set(tool.dials)
+
+
+def test_a_process_knows_how_many_are_on_other_hosts() -> None:
+    mesh = Mesh(BASE, HOMES)
+    assert [mesh.seat(slot).elsewhere for slot in (0, 1, 2)] == [5, 4, 3]
+    assert mesh.visitor().elsewhere == len(HOMES)
+    assert on_loopback(BASE).visitor().elsewhere == 0
 
 
 def test_ports_are_below_those_that_systems_hand_out() -> None:

@@ -1,0 +1,63 @@
+"""The hosts of a deployment, and which processes run on which."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated, ClassVar
+
+from runtime.config.kinds import Pattern, Scope
+from runtime.config.reading import Derived
+from runtime.config.tree import Node, valid_are
+from runtime.wire.mesh import LOOPBACK
+
+HostName = Annotated[str, Pattern("[A-Za-z0-9][A-Za-z0-9._-]*", "a host's name", "arm")]
+HostAddress = Annotated[
+    str, Pattern("[A-Za-z0-9][A-Za-z0-9._-]*|[0-9A-Fa-f:.]+", "an address", "192.168.0.11")
+]
+_EVERYWHERE = ("0.0.0.0", "::")
+
+
+@dataclass(frozen=True, kw_only=True)
+class HostSpec:
+    """A machine on which processes run; its address alone will do.
+
+    Attributes:
+        address: Where the others reach it: an IP address, or a name that means the same address
+            on every host.
+        ssh: What `ssh` takes to get there, such as pi@arm.local; by default the address.
+        command: How `msma` is called there.
+    """
+
+    address: HostAddress
+    ssh: Annotated[str, Derived(lambda scope: scope["address"])]
+    command: str = "msma"
+
+    short: ClassVar[str] = "address"
+
+    def check(self, node: Node, scope: Scope) -> None:
+        """Refuse what is no one host's address."""
+        if self.address in _EVERYWHERE:
+            what = f"{self.address} is no host's own address; give the one that the others dial"
+            raise node.find("address").error(what)
+        if self.ssh.startswith("-"):
+            raise node.find("ssh").error(f"{self.ssh!r} is not a destination, such as pi@arm.local")
+
+
+def here_alone(_: Scope) -> Mapping[str, HostSpec]:
+    """Return the hosts of a deployment that names none: this machine."""
+    return {"local": HostSpec(address=LOOPBACK, ssh=LOOPBACK)}
+
+
+def _first(scope: Scope) -> str:
+    hosts: Mapping[str, HostSpec] = scope["hosts"]
+    return next(iter(hosts))
+
+
+Home = Annotated[HostName, Derived(_first)]
+"""The host of a process: by default the first of the deployment."""
+
+
+def check_home(host: str, node: Node, scope: Scope) -> None:
+    """Refuse a host that the deployment does not name."""
+    hosts = scope["hosts"]
+    if host not in hosts:
+        raise node.find("host").error(f"there is no host {host!r}{valid_are(host, hosts)}")
