@@ -21,14 +21,15 @@ from bench.echo.load import (
     message,
     part_of,
 )
-from runtime.wire.mesh import config, seat
+from runtime.wire.mesh import on_loopback
+from runtime.wire.session import config
 
 
 def main() -> None:
     """Be the part that the command line names."""
     part = part_of()
     slot = ROLES.index(part.role)
-    with zenoh.open(config("echo", seat(part.port, slot, len(ROLES)))) as session:
+    with zenoh.open(config("echo", on_loopback(part.port, len(ROLES)).seat(slot))) as session:
         if part.role == "plant":
             _plant(session, part)
         else:

@@ -5,11 +5,12 @@ from typing import Annotated, ClassVar
 
 from plant.errors import MsmaError
 from plant.faults import Fault
+from runtime.config.hosts import HostName
 from runtime.config.kinds import OneOrMore, Range, Scope
-from runtime.config.specs import Host, Role
+from runtime.config.specs import Role
 from runtime.config.tree import Node
 
-Hosts = Annotated[tuple[Host, ...], OneOrMore()]
+Hosts = Annotated[tuple[HostName, ...], OneOrMore()]
 Seconds = Annotated[float, "s", Range(such_as="2 s", above=0)]
 Share = Annotated[float, Range(such_as="2 %", above=0, most=1)]
 

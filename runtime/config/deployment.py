@@ -123,11 +123,10 @@ class Deployment:
         roles = (*self.roles, LAUNCHER, WATCHER) if event.kill or event.hang else self.roles
         if event.role is not None and event.role not in roles:
             raise node.error(f"nothing runs as {event.role!r}{valid_are(event.role, roles)}")
-        hosts = sorted({agent.host for agent in self.agents})
         for index, host in enumerate(event.hosts):
-            if host not in hosts:
-                there = node.find(index)
-                raise there.error(f"nothing runs on a host {host!r}{valid_are(host, hosts)}")
+            if host not in self.hosts:
+                hint = valid_are(host, self.hosts)
+                raise node.find(index).error(f"there is no host {host!r}{hint}")
 
     def dump(self) -> str:
         """Return it as YAML that loads to an equal one from anywhere, with every default."""

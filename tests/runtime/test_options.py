@@ -79,7 +79,7 @@ def test_chaos_is_added_to_that_of_the_file() -> None:
         ("--kill", "joint/9@8", "chaos.0.kill: nothing runs as 'joint/9'; did you mean"),
         ("--kill", "joint/2@soon", "chaos.0.at: 'soon' is not a time"),
         ("--hang", "joint/2@8:soon", "chaos.0.for: 'soon' is not a time"),
-        ("--partition", "local,base@8", "chaos.0.partition.1: nothing runs on a host 'base'"),
+        ("--partition", "local,base@8", "chaos.0.partition.1: there is no host 'base'"),
         ("--stop", "goal@99", "chaos.0.at: 99 is not before the end of the run, 24 s"),
         ("--fault", "joint/1:lame@5", "chaos.0.fault: joint has no fault 'lame'"),
     ],
