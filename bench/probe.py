@@ -37,7 +37,7 @@ def main() -> int:
     deployment = load(args.file, only_role=keys.PLANT)
     period = deployment.period
     ticks = Ticks([agent.role for agent in deployment.agents], period, args.seconds)
-    with Process(deployment, keys.PLANT, args.file, args.run) as process:
+    with Process(deployment, deployment.crew[0], args.file, args.run) as process:
         return process.live(PlantLoop(process, Watched(ticks, period)))
 
 

@@ -4,7 +4,7 @@ import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 import yaml
 
@@ -21,6 +21,14 @@ from runtime.wire.ports import FIRST_COPY, SLOTS, port_base
 
 Name = Annotated[str, Pattern("[A-Za-z0-9][A-Za-z0-9_-]{0,63}", "a robot's name", "arph")]
 Port = Annotated[int, Range(such_as="7600", least=1024, most=65536 - SLOTS)]
+
+
+class Member(NamedTuple):
+    """A process of a deployment: its role, its host, and whether it is a copy of another."""
+
+    role: str
+    host: str
+    copy: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,7 +92,22 @@ class Deployment:
             return self.plant.host
         if role == "goal" and self.goal is not None:
             return self.goal.host
-        return self.agent(role).host
+        return self.agent(role).host[0]
+
+    @property
+    def crew(self) -> tuple[Member, ...]:
+        """All processes that there are: one of each role, and then the copies."""
+        first = [Member(role, self.host_of(role)) for role in self.roles]
+        hosts = list(self.hosts)
+        copies = []
+        for agent in self.agents:
+            home = hosts.index(agent.host[0])
+            homes = agent.host if len(agent.host) > 1 else (*hosts[home:], *hosts[:home])
+            copies += [
+                Member(agent.role, homes[number % len(homes)], copy=True)
+                for number in range(1, agent.copies)
+            ]
+        return (*first, *copies)
 
     @property
     def mesh(self) -> Mesh:
@@ -114,6 +137,10 @@ class Deployment:
             first[agent.role] = here
         if len(self.roles) > FIRST_COPY:
             what = f"{len(self.roles)} processes with plant and goal, of {FIRST_COPY} at most"
+            raise node.find("agents").error(what)
+        copies = len(self.crew) - len(self.roles)
+        if copies > SLOTS - FIRST_COPY:
+            what = f"{copies} copies of agents, of {SLOTS - FIRST_COPY} at most"
             raise node.find("agents").error(what)
         for index, event in enumerate(self.chaos):
             self._check_target(event, node.find("chaos", index, event.action))

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from runtime.config.kinds import Pattern, Scope
+from runtime.config.kinds import OneOrMore, Pattern, Scope
 from runtime.config.reading import Derived
 from runtime.config.tree import Node, valid_are
 from runtime.wire.mesh import LOOPBACK
@@ -56,8 +56,14 @@ Home = Annotated[HostName, Derived(_first)]
 """The host of a process: by default the first of the deployment."""
 
 
-def check_home(host: str, node: Node, scope: Scope) -> None:
+Homes = Annotated[tuple[HostName, ...], OneOrMore(), Derived(lambda scope: (_first(scope),))]
+"""The hosts of a process and of its copies."""
+
+
+def check_homes(names: tuple[str, ...], node: Node, scope: Scope) -> None:
     """Refuse a host that the deployment does not name."""
     hosts = scope["hosts"]
-    if host not in hosts:
-        raise node.find("host").error(f"there is no host {host!r}{valid_are(host, hosts)}")
+    for index, host in enumerate(names):
+        if host not in hosts:
+            here = node.find("host", index)
+            raise here.error(f"there is no host {host!r}{valid_are(host, hosts)}")

@@ -14,7 +14,7 @@ from agents.paths import Path as GoalPath
 from plant import urdf
 from plant.robot import Robot
 from runtime.config.classes import AgentClass, PathClass, blame
-from runtime.config.hosts import Home, check_home
+from runtime.config.hosts import Home, Homes, check_homes
 from runtime.config.kinds import Pattern, Range, Scope, Text
 from runtime.config.reading import Derived, Rest
 from runtime.config.tree import Node, valid_are
@@ -111,7 +111,7 @@ class PlantSpec:
 
     def check(self, node: Node, scope: Scope) -> None:
         """Refuse an unknown host, and a hold that ends before the next command can come."""
-        check_home(self.host, node, scope)
+        check_homes((self.host,), node, scope)
         period = scope["period"]
         if self.hold < period:
             hold = node.find("hold")
@@ -139,7 +139,7 @@ class GoalSpec:
 
     def check(self, node: Node, scope: Scope) -> None:
         """Refuse parameters that the class refuses, and a host that is not there."""
-        check_home(self.host, node, scope)
+        check_homes((self.host,), node, scope)
         if self.class_.is_loaded:
             blame(node, self.build)
 
@@ -151,14 +151,17 @@ class AgentSpec:
     Attributes:
         role: What it moves: joint/1, joint/2 and so on, or platform.
         class_: A class of agents, `module:Class`; its parameters are given beside it.
-        host: Where it runs, by default on the first host.
+        host: Where it runs, by default on the first host; of copies a list of hosts, by default
+            that one and those after it.
+        copies: How many processes have the role at once: one is obeyed, the others stand by.
         parameters: Those parameters in SI, with the defaults; as written if the class was not
             loaded, being another role's.
     """
 
     role: Role
     class_: AgentClass
-    host: Home
+    host: Homes
+    copies: Annotated[int, Range(such_as="2", least=1, most=8)] = 1
     parameters: Annotated[Mapping[str, Any], Rest(_rest)]
 
     @property
@@ -182,6 +185,9 @@ class AgentSpec:
         if self.role not in valid:
             what = f"{robot.name} has no {self.role!r} to move"
             raise node.find("role").error(f"{what}{valid_are(self.role, valid)}")
-        check_home(self.host, node, scope)
+        check_homes(self.host, node, scope)
+        if len(self.host) > self.copies:
+            many = f"{len(self.host)} hosts for {self.copies} of it; say copies: {len(self.host)}"
+            raise node.find("host").error(many)
         if self.class_.is_loaded:
             blame(node, lambda: self.build(robot, scope["period"], [0]))

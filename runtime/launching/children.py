@@ -7,6 +7,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
+from runtime.config.deployment import Member
 from runtime.launching.starting import Child, Task, start, start_all
 
 
@@ -33,20 +34,23 @@ class Ended(NamedTuple):
 
 
 class Children:
-    """All processes that were started for a run, the former ones of a role as well."""
+    """All processes that were started for a run, the former ones of a role as well.
+
+    run: its folder
+    """
 
     def __init__(self, run: Path) -> None:
-        self._run = run
+        self.run = run
         self._living: list[tuple[Task, Child]] = []
 
-    def start(self, roles: Iterable[str]) -> None:
-        """Start a process for each role, all at once."""
-        tasks = [Task(role, self._run) for role in roles]
+    def start(self, crew: Iterable[Member]) -> None:
+        """Start some processes, all at once."""
+        tasks = [Task(role, self.run, host if copy else None) for role, host, copy in crew]
         self._living += zip(tasks, start_all(tasks), strict=True)
 
-    def revive(self, role: str) -> int:
-        """Start one more process for a role, and return its id."""
-        task = Task(role, self._run)
+    def revive(self, role: str, copy: str | None = None) -> int:
+        """Start one more process for a role, or a copy on that host, and return its id."""
+        task = Task(role, self.run, copy)
         child = start(task)
         self._living.append((task, child))
         return child.pid
@@ -75,6 +79,6 @@ class Children:
 
     def drop_empty_outputs(self) -> None:
         """Remove the files of those who said nothing."""
-        for path in self._run.glob("*.out"):
+        for path in self.run.glob("*.out"):
             if path.stat().st_size == 0:
                 path.unlink()

@@ -4,12 +4,14 @@ import os
 import signal
 import subprocess
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Protocol
 
-from runtime.config.chaos import LAUNCHER, ChaosEvent
+from runtime.config.chaos import LAUNCHER, WATCHER, ChaosEvent
 from runtime.config.deployment import Deployment
 from runtime.config.tree import ConfigError
 from runtime.launching.children import Children
+from runtime.launching.local import logged, obeyed_in, watchers
 from runtime.launching.schedule import Due
 from runtime.launching.watcher import Watcher
 from runtime.processes.journal import Journal
@@ -37,12 +39,19 @@ def check_means(deployment: Deployment, network: Network | None) -> None:
             )
 
 
+def send(pid: int, number: signal.Signals) -> None:
+    """Send a signal to a process, if it is still there."""
+    with suppress(ProcessLookupError):
+        os.kill(pid, number)
+
+
 class Havoc:
     """Carries out what a schedule says is due.
 
     journal: gets a line for each thing that was done, with the plant time of `watcher`
     show: is told what others log as well, by a text for people
     happened: is told what nobody else logs
+    bequeath: called with plant time [s] before the launcher, if this is it, kills itself
     """
 
     def __init__(
@@ -50,16 +59,18 @@ class Havoc:
         deployment: Deployment,
         children: Children,
         watcher: Watcher,
-        network: Network | None,
         journal: Journal,
         *,
         show: Callable[[str], None],
         happened: Callable[[str], None],
+        bequeath: Callable[[float], None] | None = None,
+        network: Network | None = None,
     ) -> None:
-        self._speed = deployment.speed
+        self._deployment = deployment
         self._children, self._watcher, self._network = children, watcher, network
+        self._bequeath = bequeath
         self._journal, self._show, self._happened = journal, show, happened
-        self._hung: dict[ChaosEvent, int] = {}
+        self.hung: dict[ChaosEvent, list[int]] = {}
 
     def carry_out(self, due: Due) -> None:
         """Let an event begin, or end, and say what came of it."""
@@ -69,47 +80,58 @@ class Havoc:
         elif due.over:
             self._resume(event)
         elif event.kill is not None:
+            if event.kill == LAUNCHER and self._bequeath is not None:
+                self._bequeath(due.at)
             self._kill(event.kill)
         elif event.hang is not None:
             self._hang(event, event.hang)
         elif event.stop is not None:
             self._stop(event.stop)
         elif event.revive is not None:
-            pid = self._children.revive(event.revive)
-            self._note("revive", event.revive, pid=pid)
-            self._show(f"{event.revive} is started again")
+            self._revive(event.revive)
         elif event.fault is not None:
             self._break(event.fault)
 
     def _kill(self, role: str) -> None:
-        pid = self._pid(role)
-        if pid is None:
+        pids = self._pids(role)
+        if not pids:
             self._happened(f"{role} is not there to be killed")
-        else:
-            self._note("kill", role, pid=pid)
-            os.kill(pid, signal.SIGKILL)
+            return
+        self._note("kill", role, pids=pids)
+        for pid in pids:
+            send(pid, signal.SIGKILL)
 
     def _hang(self, event: ChaosEvent, role: str) -> None:
-        pid = self._pid(role)
-        if pid is None:
+        pids = self._pids(role)
+        if not pids:
             self._happened(f"{role} is not there to be hung")
             return
         lasting = "" if event.for_ is None else f" for {event.for_:g} s"
         self._happened(f"{role} hangs{lasting}")
-        self._note("hang", role, pid=pid)
-        if pid != os.getpid():
-            self._hung[event] = pid
-        elif event.for_ is not None:  # who hangs cannot wake itself
-            waking = f"sleep {event.for_ / self._speed:f}; kill -CONT {pid}"
+        self._note("hang", role, pids=pids)
+        if os.getpid() in pids and event.for_ is not None:  # who hangs cannot wake itself
+            waking = f"sleep {event.for_ / self._deployment.speed:f}; kill -CONT {os.getpid()}"
             subprocess.Popen(["sh", "-c", waking], start_new_session=True)
-        os.kill(pid, signal.SIGSTOP)
+        else:
+            self.hung[event] = pids
+        for pid in pids:
+            send(pid, signal.SIGSTOP)
+
+    def _revive(self, role: str) -> None:
+        beside = logged(self._children.run, role)  # copies, or one that hangs, have their places
+        copy = self._deployment.host_of(role) if beside else None
+        pid = self._children.revive(role, copy)
+        self._note("revive", role, pids=[pid])
+        self._show(f"{role} is started again")
 
     def _resume(self, event: ChaosEvent) -> None:
-        pid = self._hung.pop(event, None)
-        if pid is not None and pid in self._children.pids(event.target):
-            self._note("wake", event.target, pid=pid)
-            os.kill(pid, signal.SIGCONT)
-            self._happened(f"{event.target} goes on")
+        pids = self.hung.pop(event, [])
+        if not pids:
+            return
+        self._note("wake", event.target, pids=pids)
+        for pid in pids:
+            send(pid, signal.SIGCONT)
+        self._happened(f"{event.target} goes on")
 
     def _note(self, action: str, target: str, **more: object) -> None:
         """Log what is about to be done, at once: who does it may be the next to go."""
@@ -117,12 +139,14 @@ class Havoc:
         self._journal.write(t, "chaos", action=action, target=target, **more)
         self._journal.flush()
 
-    def _pid(self, role: str) -> int | None:
-        """Return the process of a role that was started last, None if there is none."""
+    def _pids(self, role: str) -> list[int]:
+        """Return the process of a role, of copies the one that is obeyed; none if it is gone."""
         if role == LAUNCHER:
-            return os.getpid()
-        pids = self._children.pids(role)
-        return pids[-1] if pids else None
+            return [] if self._bequeath is None else [os.getpid()]
+        if role == WATCHER:
+            return watchers(self._deployment.robot)
+        obeyed = obeyed_in(self._children.run, role)
+        return self._children.pids(role)[-1:] if obeyed is None else [obeyed]
 
     def _stop(self, role: str) -> None:
         heard = self._watcher.stop(role, _ANSWER)

@@ -13,6 +13,7 @@ from runtime.config.deployment import Deployment
 from runtime.launching.children import Children, Ended
 from runtime.launching.failures import RunError
 from runtime.launching.havoc import Havoc, Network, check_means
+from runtime.launching.heir import bequeath
 from runtime.launching.schedule import ALL_MEANS, FORCE, Escalation, Means, Schedule
 from runtime.launching.watcher import View, Watcher
 from runtime.processes.ending import Ending
@@ -90,6 +91,7 @@ class Launcher:
         self._schedule = Schedule(deployment.chaos)
         self._happenings: list[Happening] = []
         self._starting = set(deployment.roles)
+        self._there: dict[int, str] = {}  # the role of each incarnation that is seen alive
 
     def go(self) -> Course:
         """Go through with the run; `RunError` if a process does not start.
@@ -98,7 +100,7 @@ class Launcher:
         """
         self._ending.catch_signals()
         try:
-            self._children.start(self._deployment.roles)
+            self._children.start(self._deployment.crew)
             with self._visit() as bus:
                 self._watcher = Watcher(bus)
                 self._screen = self._make_screen()
@@ -133,10 +135,11 @@ class Launcher:
             deployment,
             self._children,
             self._watcher,
-            self._network,
             self._journal,
             show=lambda text: self._screen.happened(self._view.t, text),
             happened=self._happened,
+            bequeath=lambda t: bequeath(Path(self._run), t),
+            network=self._network,
         )
         while self._children and not self._ending.wait(_TURN):
             now, before = time.monotonic(), self._view.t
@@ -146,6 +149,7 @@ class Launcher:
             self._starting -= {
                 row.role for row in self._view.rows if row.diag and row.diag.run == self._run
             }
+            self._note_gone()
             for ended in self._children.ended():
                 self._note_end(ended)
             for due in self._schedule.due(min(before, self._view.t)):  # not by one wrong t
@@ -158,6 +162,13 @@ class Launcher:
                 self._journal.flush()
             if life.over(now) or life.forlorn(now):
                 return
+
+    def _note_gone(self) -> None:
+        """Log who is seen to go, dead or hung, and who is seen again: what `status` shows too."""
+        there = {row.incarnation: row for row in self._view.rows if row.alive}
+        for by in self._there.keys() - there.keys():
+            self._journal.write(self._view.t, "gone", role=self._there[by], by=f"{by:x}")
+        self._there = {by: row.role for by, row in there.items()}
 
     def _note_end(self, ended: Ended) -> None:
         if ended.role in self._starting and ended.code:

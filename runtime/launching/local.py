@@ -32,20 +32,49 @@ def run_of(told: list[Diag]) -> Diag:
     return min(told, key=lambda diag: diag.role != keys.PLANT)
 
 
-def pids_in(bus: Bus, role: str) -> list[int]:
-    """Return the ids of a role's processes on this host; `RunError` if there is none.
+def pid_in(bus: Bus, role: str) -> int:
+    """Return the id of a role's process on this host; `RunError` if there is none.
 
-    One that hangs does not say its id: it is then the last that was started, by the run's log.
+    Of copies it is the one whom the plant obeys. One that hangs does not say its id: it is then
+    the last that was started, by the run's log.
     """
     told = diags(bus)
     own = [diag for diag in told if diag.role == role]
     hosts = {diag.host for diag in own}
     if hosts and socket.gethostname() not in hosts:
         raise RunError(f"{role} runs on {', '.join(sorted(hosts))}: go there for that")
-    pids = [diag.pid for diag in own if diag.host == socket.gethostname()]
-    found = [pid for pid in pids if _is_in(pid, role)] or _logged(Path(run_of(told).run), role)
-    if not found:
+    here = [diag.pid for diag in own if diag.host == socket.gethostname()]
+    run = Path(run_of(told).run)
+    obeyed = obeyed_in(run, role)
+    if obeyed is None:
+        obeyed = next((pid for pid in here if _is_in(pid, role)), None)
+    if obeyed is None:
         raise RunError(f"no process of {role} runs here")
+    return obeyed
+
+
+def obeyed_in(run: Path, role: str) -> int | None:
+    """Return the id of a role's process in a run on this host, None if none is here.
+
+    Of copies it is the one whom the plant obeys, by its log, or else the one started last.
+    """
+    pids = logged(run, role)
+    if len(pids) > 1:
+        starts = {line.get("by"): line["pid"] for line in read_log(run, role, "start")}
+        for line in reversed(read_log(run, keys.PLANT, "obeys")):
+            if line["role"] == role:
+                pid = starts.get(line["by"])
+                return pid if pid in pids else pids[-1]
+    return pids[-1] if pids else None
+
+
+def watchers(robot: str) -> list[int]:
+    """Return the ids of each `msma status --watch` of a robot on this host."""
+    wanted = f"status --watch --robot {robot}".split()
+    found = []
+    for folder in Path("/proc").glob("[0-9]*"):
+        if _arguments(int(folder.name))[1:5] == wanted:
+            found.append(int(folder.name))
     return found
 
 
@@ -56,21 +85,26 @@ def silent_roles(told: list[Diag]) -> dict[str, str]:
     silent = {}
     for role in load(file, only_role=keys.PLANT).roles:
         if not any(diag.role == role for diag in told):
-            pids = _logged(file.parent, role)
-            silent[role] = f"hangs, process {pids[0]}" if pids else "is not there"
+            pids = logged(file.parent, role)
+            silent[role] = f"hangs, process {pids[-1]}" if pids else "is not there"
     return silent
 
 
-def _logged(run: Path, role: str) -> list[int]:
-    """Return the id of the process that was started last in a role, if it lives on this host."""
-    pids = [line["pid"] for line in read_log(run, role) if line["event"] == "start"]
-    return [pid for pid in pids[-1:] if _is_in(pid, role)]
+def logged(run: Path, role: str) -> list[int]:
+    """Return the ids of a role's processes in a run that live on this host, the newest last."""
+    return [line["pid"] for line in read_log(run, role, "start") if _is_in(line["pid"], role)]
 
 
 def _is_in(pid: int, role: str) -> bool:
     """Tell whether a process id still is that of a process in a role."""
+    arguments = _arguments(pid)
+    return "agent" in arguments and role in arguments
+
+
+def _arguments(pid: int) -> list[str]:
+    """Return what a process was called with, or calls itself; nothing if it is not there."""
     try:
-        arguments = Path(f"/proc/{pid}/cmdline").read_bytes().replace(b"\0", b" ").split()
+        line = Path(f"/proc/{pid}/cmdline").read_bytes()
     except OSError:
-        return False
-    return b"agent" in arguments and role.encode() in arguments
+        return []
+    return line.decode(errors="replace").replace("\0", " ").split()

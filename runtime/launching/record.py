@@ -28,6 +28,8 @@ class Record:
         q: (m, n) joint angles [rad].
         base: (m, 3) x, y [m] and heading [rad] in the world.
         base_velocity: (m, 2) linear [m/s] and angular [rad/s].
+        age: (m, k) how old the command in force was when the step to that moment began [s], of
+            each joint and then of the platform; NaN where none was in force.
         events: All other lines, as they were written.
     """
 
@@ -37,6 +39,7 @@ class Record:
     q: Array
     base: Array
     base_velocity: Array
+    age: Array
     events: Sequence[Mapping[str, Any]]
 
     def t_at(self, wall: float) -> float:
@@ -49,12 +52,18 @@ class Record:
         return next((event for event in self.events if event["event"] == "end"), {})
 
 
-def read_log(run: Path, role: str) -> list[dict[str, Any]]:
-    """Return the lines of a process's log; a line cut short by a kill is left out."""
+def read_log(run: Path, role: str, event: str | None = None) -> list[dict[str, Any]]:
+    """Return the lines of a process's log, or those of one kind of event, which is quicker.
+
+    A line cut short by a kill is left out.
+    """
+    wanted = "" if event is None else f'"event": "{event}"'
     lines = []
     try:
         with (run / f"{file_name(role)}.jsonl").open(encoding="utf-8", errors="replace") as stream:
             for line in stream:
+                if wanted not in line:
+                    continue
                 try:
                     lines.append(json.loads(line))
                 except ValueError:
@@ -77,4 +86,7 @@ def read_record(run: Path) -> Record:
         name: np.array([tick[name] for tick in ticks], dtype=np.float64)
         for name in ("t", "wall", "hand", "q", "base", "base_velocity")
     }
-    return Record(**arrays, events=[line for line in lines if line["event"] != "tick"])
+    ages = np.full((len(ticks), len(ticks[-1]["age"])), np.nan)
+    for row, tick in zip(ages, ticks, strict=True):
+        row[: len(tick["age"])] = tick["age"]  # None becomes NaN; none in the first line
+    return Record(**arrays, age=ages, events=[line for line in lines if line["event"] != "tick"])

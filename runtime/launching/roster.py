@@ -10,7 +10,7 @@ from runtime.wire import keys
 from runtime.wire.fields import Spread
 from runtime.wire.messages import Diag
 
-DEBOUNCE = 0.5  # [s] for which a token may be gone before it is believed: they flicker
+FLICKER = 0.5  # [s]: who was gone no longer than that has been there all along
 _KEPT = 256  # processes, however many a flood makes up
 
 
@@ -68,7 +68,7 @@ class Roster:
         if not there:
             entry.went = now if entry.went is None else entry.went
         elif entry.went is not None:
-            if now - entry.went > DEBOUNCE:
+            if now - entry.went > FLICKER:
                 entry.came = now
             entry.went = None
 
@@ -99,21 +99,21 @@ class Roster:
         )
         del self._entries[least]
 
-    def rows(self, now: float) -> list[Row]:
-        """Return all who are there `now` [s], and of each role of which nobody is the last one.
+    def rows(self) -> list[Row]:
+        """Return all who are there now, and of each role of which nobody is the last one.
 
         Who only says so, without a token, is not there.
         """
-        rows = [self._row(by, now) for by, entry in self._entries.items() if entry.announced]
+        rows = [self._row(by) for by, entry in self._entries.items() if entry.announced]
         there = {row.role for row in rows if row.alive}
         last = {row.role: row for row in rows if row.role not in there}
         shown = [row for row in rows if row.alive] + list(last.values())
         return sorted(shown, key=lambda row: (order(row.role), row.since))
 
-    def _row(self, incarnation: int, now: float) -> Row:
+    def _row(self, incarnation: int) -> Row:
         entry = self._entries[incarnation]
-        alive = entry.went is None or now - entry.went <= DEBOUNCE
-        since = entry.came if alive or entry.went is None else entry.went
+        alive = entry.went is None
+        since = entry.came if entry.went is None else entry.went
         answer = self._answers.get(entry.role) if alive else None
         return Row(entry.role, incarnation, alive, since, entry.diag, entry.heard, answer)
 

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from enum import Enum
 from typing import NamedTuple
 
-from runtime.config.chaos import ChaosEvent
+from runtime.config.chaos import LAUNCHER, ChaosEvent
 
 
 class Due(NamedTuple):
@@ -26,7 +26,8 @@ class Schedule:
         for event in [due.event for due in self._left]:
             if event.ends is not None:
                 self._left.append(Due(event.ends, event, over=True))
-        self._left.sort(key=lambda due: due.at)
+        # Whoever carries it out may be killed by it, after all else that is due then.
+        self._left.sort(key=lambda due: (due.at, due.event.kill == LAUNCHER))
 
     def due(self, t: float) -> list[Due]:
         """Return what is due at plant time `t` [s] and was not before, in the order of times."""

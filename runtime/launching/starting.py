@@ -26,11 +26,13 @@ _SOURCES = Path(__file__).parents[2]
 class Task(NamedTuple):
     """What a process is to do: its role in a run.
 
+    copy: the host on which it stands by for another in that role; None if it is the first
     run: the folder of the run, which holds `deployment.yaml` and takes what is logged
     """
 
     role: str
     run: Path
+    copy: str | None = None
 
     @property
     def file(self) -> Path:
@@ -40,7 +42,8 @@ class Task(NamedTuple):
     @property
     def arguments(self) -> list[str]:
         """What `msma` is called with."""
-        return ["agent", str(self.file), self.role, "--run", str(self.run)]
+        words = ["agent", str(self.file), self.role, "--run", str(self.run)]
+        return words if self.copy is None else [*words, "--copy", "--host", self.copy]
 
     @property
     def out(self) -> Path:
@@ -68,12 +71,17 @@ class Child(Protocol):
 
 def start(task: Task) -> Child:
     """Start a process by running Python anew: always possible, and takes about 0.3 s."""
+    return spawn("runtime.cli", task.arguments, task.out)
+
+
+def spawn(module: str, arguments: Sequence[str], out: Path) -> "subprocess.Popen[bytes]":
+    """Run a module of ours in a process that outlives this one, and writes to a file."""
     path = os.pathsep.join(filter(None, (str(_SOURCES), os.environ.get("PYTHONPATH"))))
-    with task.out.open("ab") as out:
+    with out.open("ab") as stream:
         return subprocess.Popen(
-            [sys.executable, "-P", "-m", "runtime.cli", *task.arguments],
+            [sys.executable, "-P", "-m", module, *arguments],
             stdin=subprocess.DEVNULL,
-            stdout=out,
+            stdout=stream,
             stderr=subprocess.STDOUT,
             start_new_session=True,
             env={**os.environ, "PYTHONPATH": path},
@@ -148,4 +156,5 @@ def _leave_the_parent(task: Task) -> None:
         os.dup2(here, there)
     os.close(nothing)
     os.close(out)
-    setproctitle(" ".join(("msma", *task.arguments[:3])))
+    shown = task.arguments[:3] + ["--copy"] * (task.copy is not None)
+    setproctitle(" ".join(("msma", *shown)))

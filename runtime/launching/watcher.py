@@ -41,6 +41,7 @@ class Watcher:
     def __init__(self, bus: Bus) -> None:
         self._bus = bus
         self._lock = threading.Lock()
+        self._changed = threading.Event()
         self._roster = Roster()
         self._t = 0.0
         self._worst: float | None = None
@@ -54,6 +55,12 @@ class Watcher:
     def _on_token(self, key: str, there: bool) -> None:
         with self._lock:
             self._roster.token(key, there, time.monotonic())
+        self._changed.set()
+
+    def wait(self, timeout: float) -> None:
+        """Wait until somebody has come or gone since this was last called, or so long [s]."""
+        self._changed.wait(timeout)
+        self._changed.clear()
 
     def _on_diag(self, key: str, data: bytes) -> None:
         try:
@@ -89,7 +96,7 @@ class Watcher:
             error = math.dist(pose.position, goal)
             self._worst = max(self._worst or 0.0, error)
         with self._lock:
-            rows = self._roster.rows(now)
+            rows = self._roster.rows()
         hand = pose.position if pose is not None else None
         return View(self._t, hand, goal, error, self._worst, rows)
 

@@ -1,5 +1,6 @@
 """What the plant is told: from what arrives on the bus to the commands in force."""
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 from plant.hold import Hold
@@ -44,9 +45,20 @@ class Orders:
 
     hold: how long a command is good for
     fresh: how long a voice counts as speaking after it was heard
+    say: called with a role and the incarnation that is obeyed in it from now on
     """
 
-    def __init__(self, robot: Robot, *, hold: float, fresh: float, refusals: Refusals) -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        *,
+        hold: float,
+        fresh: float,
+        refusals: Refusals,
+        say: Callable[[str, int], None] = lambda role, by: None,
+    ) -> None:
+        self._say = say
+        self._obeyed: dict[str, int] = {}
         self._hold = Hold(robot, hold)
         self._refusals = refusals
         self._motors: dict[str, _Motor] = {}
@@ -88,6 +100,10 @@ class Orders:
             ages.append(None if age is None or age > self._hold.seconds else age)
             if heard is None:
                 continue
+            by = heard.message.by
+            if by != self._obeyed.get(motor.role):
+                self._obeyed[motor.role] = by
+                self._say(motor.role, by)
             if isinstance(heard.message, PlatformCommand):
                 linear, angular = heard.message.linear, heard.message.angular
                 self._hold.tell_base(linear, angular, heard.arrived)

@@ -3,7 +3,7 @@
 import time
 from pathlib import Path
 
-from runtime.config.deployment import Deployment
+from runtime.config.deployment import Deployment, Member
 from runtime.wire import keys
 from runtime.wire.bus import Bus, BusError
 from runtime.wire.fields import MessageError
@@ -13,16 +13,16 @@ from runtime.wire.ports import FIRST_COPY, SLOTS
 _SEARCH = 0.6  # [s] in which those who dial us have found us
 
 
-def join(deployment: Deployment, role: str, incarnation: int, *, copy: bool = False) -> Bus:
-    """Return the role's place on the bus, or `BusError` if it is taken.
+def join(deployment: Deployment, member: Member, incarnation: int) -> Bus:
+    """Return the process's place on the bus, or `BusError` if it is taken.
 
     A copy, which stands by for a role that runs already, takes the first free place of those
     for copies.
     """
-    mesh = deployment.mesh
-    if not copy:
+    mesh, role = deployment.mesh, member.role
+    if not member.copy:
         return Bus(deployment.robot, role, mesh.seat(deployment.slot(role)), incarnation)
-    home = deployment.hosts[deployment.host_of(role)].address
+    home = deployment.hosts[member.host].address
     for slot in range(FIRST_COPY, SLOTS):
         try:
             return Bus(deployment.robot, role, mesh.copy_seat(slot, home), incarnation)

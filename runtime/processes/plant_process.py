@@ -49,6 +49,7 @@ class PlantLoop(Loop):
             hold=deployment.plant.hold,
             fresh=freshness(self._period, self._speed) * self._speed,
             refusals=process.refusals,
+            say=self._note_obeyed,
         )
         self._answers = answers or Answers(self._period)
         self._teller = Teller(process.bus, self._simulator)
@@ -132,6 +133,9 @@ class PlantLoop(Loop):
                 self._process.journal.write(self._process.t, "fault refused", why=str(error))
             else:
                 self._process.journal.write(self._process.t, "fault", fault=str(fault))
+
+    def _note_obeyed(self, role: str, by: int) -> None:
+        self._process.journal.write(self._process.t, "obeys", role=role, by=f"{by:x}")
 
     def _note_truth(self, ages: list[float | None]) -> None:
         self._process.journal.line(self._truth.line(ages))

@@ -14,7 +14,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from runtime.config.deployment import Deployment
+from runtime.config.deployment import Deployment, Member
 from runtime.processes.ending import FAILED, Ending
 from runtime.processes.journal import Journal, new_run_folder
 from runtime.processes.life import Life
@@ -67,14 +67,12 @@ class Process:
     def __init__(
         self,
         deployment: Deployment,
-        role: str,
+        member: Member,
         file: Path,
         run: Path | None = None,
-        *,
-        copy: bool = False,
     ) -> None:
         sys.setswitchinterval(0.0005)  # [s], or a busy thread makes the loop wait 5 ms
-        self.deployment, self.role, self.file = deployment, role, file.absolute()
+        self.deployment, self.role, self.file = deployment, member.role, file.absolute()
         self.ending = Ending()
         self.refusals = Refusals(self._note_refused)
         self.t = 0.0
@@ -86,11 +84,11 @@ class Process:
         )
         self._rate = 0.0
         self._n = 0
-        self.bus = join(deployment, role, secrets.randbits(63), copy=copy)
+        self.bus = join(deployment, member, secrets.randbits(63))
         try:
             found = run or run_of_others(self.bus)
             self.run = (found or new_run_folder(deployment.runs, deployment.robot)).absolute()
-            self.journal = Journal(self.run, role)
+            self.journal = Journal(self.run, self.role)
         except BaseException:
             self.bus.close()
             raise
@@ -110,7 +108,8 @@ class Process:
     def live(self, loop: Loop) -> int:
         """Go through with the loop, in the main thread, and return the exit code."""
         self.ending.catch_signals()
-        self.journal.write(self.t, "start", role=self.role, pid=os.getpid())
+        by = f"{self.bus.incarnation:x}"
+        self.journal.write(self.t, "start", role=self.role, pid=os.getpid(), by=by)
         self.journal.flush()
         self.bus.answer(keys.stop(self.role), self._stop)
         self.bus.answer(keys.diag(self.role), lambda _: self._diag_bytes(loop))

@@ -4,7 +4,7 @@ import sys
 from pathlib import Path
 
 from plant.errors import MsmaError
-from runtime.config.deployment import Deployment
+from runtime.config.deployment import Deployment, Member
 from runtime.processes.agent_process import AgentLoop
 from runtime.processes.goal_process import GoalLoop
 from runtime.processes.plant_process import PlantLoop
@@ -12,20 +12,18 @@ from runtime.processes.process import Loop, Process
 from runtime.wire import keys
 
 
-def live(
-    deployment: Deployment, role: str, file: Path, run: Path | None = None, *, copy: bool = False
-) -> int:
-    """Be that role's process until its end, and return the exit code.
+def live(deployment: Deployment, member: Member, file: Path, run: Path | None = None) -> int:
+    """Be that process until its end, and return the exit code.
 
     `file` is where the deployment was read from, `run` the folder of the log: if it is not
     given, that of the others which run already, or else a new one. Raises `MsmaError` if it
     cannot begin.
     """
-    if copy and role == keys.PLANT:
+    if member.copy and member.role == keys.PLANT:
         raise MsmaError("the plant is the robot: there can be no copy of it")
-    with Process(deployment, role, file, run, copy=copy) as process:
+    with Process(deployment, member, file, run) as process:
         loop = _loop(process)
-        place = f"{role} of {deployment.robot}"
+        place = f"{member.role} of {deployment.robot}"
         print(f"{place}: its log is {process.journal.path}", file=sys.stderr, flush=True)
         code = process.live(loop)
         print(f"{place}: {process.ending.reason}", file=sys.stderr, flush=True)

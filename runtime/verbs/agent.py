@@ -3,7 +3,9 @@
 import argparse
 from pathlib import Path
 
+from runtime.config.deployment import Member
 from runtime.config.options import add_deployment_options, load_from
+from runtime.config.tree import ConfigError, valid_are
 from runtime.processes.roles import live
 
 
@@ -22,9 +24,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="run beside the process that has this role: it takes over, the other stands by",
     )
+    parser.add_argument("--host", metavar="NAME", help="on which host a copy runs, if not there")
 
 
 def run(args: argparse.Namespace) -> int:
     """Live until the run ends, somebody stops it, or no plant is heard for too long."""
     deployment = load_from(args, only_role=args.role)
-    return live(deployment, args.role, Path(args.file), args.run, copy=args.copy)
+    if args.host is not None and (not args.copy or args.host not in deployment.hosts):
+        hint = valid_are(args.host, deployment.hosts)
+        raise ConfigError(f"--host {args.host}: it goes with --copy, on a host of the file{hint}")
+    home = args.host or deployment.host_of(args.role)
+    member = Member(args.role, home, copy=args.copy)
+    return live(deployment, member, Path(args.file), args.run)

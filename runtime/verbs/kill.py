@@ -5,7 +5,7 @@ import os
 import signal
 
 from runtime.launching.finding import add_target_options, target_of, visit
-from runtime.launching.local import pids_in
+from runtime.launching.local import pid_in
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -15,9 +15,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Kill it; 1 if it is not there."""
+    """Kill it, of copies the one that is obeyed; 1 if it is not there."""
     with visit(target_of(args)) as bus:
-        for pid in pids_in(bus, args.role):
-            os.kill(pid, signal.SIGKILL)
-            print(f"killed {args.role}, process {pid}")
+        pid = pid_in(bus, args.role)
+        os.kill(pid, signal.SIGKILL)
+        print(f"killed {args.role}, process {pid}")
     return 0

@@ -5,12 +5,15 @@ import json
 import time
 from collections.abc import Mapping
 
+from setproctitle import setproctitle
+
 from runtime.launching.finding import add_target_options, target_of, visit
 from runtime.launching.local import diags, silent_roles
 from runtime.launching.table import HEADINGS, cells, columns, distance
 from runtime.launching.watcher import View, Watcher
 
-_FRAME = 0.25  # [s]
+_FRAME, _LEAST = 0.25, 0.01
+"""Between two pictures [s]: when nothing happens, and however much happens."""
 _HAND = 0.3  # [s] to wait for where the hand is
 
 
@@ -29,6 +32,7 @@ def run(args: argparse.Namespace) -> int:
         watcher = Watcher(bus)
         watcher.ask_all()
         if args.watch:
+            setproctitle(f"msma status --watch --robot {target.robot}")  # chaos finds it so
             _watch(watcher)
         view = _glance(watcher)
         silent = silent_roles(diags(bus))
@@ -57,7 +61,8 @@ def _watch(watcher: Watcher) -> None:
     with Live(auto_refresh=False) as live:
         while True:
             live.update(picture(watcher.look(), None), refresh=True)
-            time.sleep(_FRAME)
+            watcher.wait(_FRAME)
+            time.sleep(_LEAST)
 
 
 def _text(robot: str, view: View, silent: Mapping[str, str]) -> str:

@@ -100,7 +100,7 @@ class Robot:
         self.folder = folder / self.name
         self.folder.mkdir()
         self._environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-        self._launched: list[subprocess.Popen[str]] = []
+        self._started: list[subprocess.Popen[str]] = []
         stack.callback(self._end)
 
     def msma(self, *arguments: str, **more: Any) -> subprocess.CompletedProcess[str]:
@@ -121,17 +121,20 @@ class Robot:
 
     def launch(self, *options: str, file: str = "arph.yaml") -> subprocess.Popen[str]:
         """Start `msma launch` for this robot."""
-        command = ["launch", str(ROOT / "deploy" / file), "--robot", self.name, *options]
-        launcher = subprocess.Popen(
-            [sys.executable, "-m", "runtime.cli", *command],
+        return self.start("launch", str(ROOT / "deploy" / file), "--robot", self.name, *options)
+
+    def start(self, *arguments: str) -> subprocess.Popen[str]:
+        """Start `msma` and do not wait for its end."""
+        process = subprocess.Popen(
+            [sys.executable, "-m", "runtime.cli", *arguments],
             cwd=self.folder,
             env=self._environment,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
         )
-        self._launched.append(launcher)
-        return launcher
+        self._started.append(process)
+        return process
 
     def run(self, *options: str, file: str = "arph.yaml") -> tuple[int, str]:
         """Launch and wait for the end: the exit code, and all that was said."""
@@ -177,14 +180,14 @@ class Robot:
             with suppress(OSError):
                 if (folder / "cwd").readlink() == self.folder:  # all begin in it and stay
                     found[int(folder.name)] = (folder / "cmdline").read_text().rstrip("\0")
-        for launcher in self._launched:
-            found.pop(launcher.pid, None)
+        for process in self._started:
+            found.pop(process.pid, None)
         return found
 
     def _end(self) -> None:
-        for launcher in self._launched:
-            launcher.kill()
-            launcher.communicate()
+        for process in self._started:
+            process.kill()
+            process.communicate()
         for pid in self.processes():
             with suppress(ProcessLookupError):
                 os.kill(pid, signal.SIGKILL)

@@ -89,6 +89,36 @@ def test_the_launcher_may_hang_for_a_while_too(robot: Robot) -> None:
     assert robot.log("launcher", "chaos")[0]["action"] == "hang"
 
 
+def test_chaos_goes_on_when_the_launcher_has_killed_itself(robot: Robot) -> None:
+    events = ("hang=joint/5@1:6s", "kill=launcher@2", "kill=joint/4@5", "revive=joint/4@6")
+    code, _ = robot.run(*SPEED, "--duration", "12s", *(f"--{event}" for event in events))
+    assert code == -signal.SIGKILL
+    wait_for(lambda: not robot.processes(), "all to end by themselves", timeout=20.0)
+    done = robot.log("launcher", "chaos") + robot.log("heir", "chaos")
+    assert [(line["action"], line["target"]) for line in done] == [
+        *(("hang", "joint/5"), ("kill", "launcher")),
+        *(("kill", "joint/4"), ("revive", "joint/4"), ("wake", "joint/5")),
+    ]
+    assert len(robot.log("joint/4", "start")) == 2
+    assert robot.log("joint/5", "end")[0]["reason"] == "the run is over"
+
+
+def test_who_hangs_to_the_end_is_ended_by_the_launcher_s_heir(robot: Robot) -> None:
+    robot.run(*SPEED, "--duration", "6s", "--hang", "joint/5@1", "--kill", "launcher@2")
+    wait_for(lambda: not robot.processes(), "all to end", timeout=20.0)
+    assert robot.log("joint/5", "end") == []
+
+
+def test_whoever_watches_may_be_killed_and_hang(robot: Robot) -> None:
+    launcher = robot.launch("--duration", "6s", "--kill", "watcher@4", "--hang", "watcher@3:0.5s")
+    robot.until(0.3)
+    watching = robot.start("status", "--watch", "--robot", robot.name)
+    assert watching.wait(timeout=30) == -signal.SIGKILL
+    out, err = launcher.communicate(timeout=30)
+    assert launcher.returncode == 0, out + err
+    assert "watcher hangs for 0.5 s" in out
+
+
 def test_an_agent_that_hangs_at_the_end_is_killed(robot: Robot) -> None:
     launcher = robot.launch("--duration", "2s")
     robot.until(1.0)
@@ -117,7 +147,8 @@ def test_chaos_kills_revives_and_breaks_by_the_clock_of_the_plant(robot: Robot) 
         "joint/2 was killed by SIGKILL",
         "joint/2 was started again",
     ]
-    assert [t for _, t in what] == pytest.approx([5.0, 10.0, 15.0], abs=1.5)
+    assert [t for _, t in what[:2]] == pytest.approx([5.0, 10.0], abs=1.5)
+    assert 14.0 < what[2][1] < 22.0  # a busy machine takes its time to start one
     restarts = {process["role"]: process["restarts"] for process in robot.summary["processes"]}
     assert restarts == {role: int(role == "joint/2") for role in ROLES}
 

@@ -44,7 +44,8 @@ def record(
     m = len(t)
     q = np.tile(deployment.start.joints, (m, 1))
     base = np.tile(deployment.start.base, (m, 1))
-    return Record(t, t + 1e9, hand, q, base, np.tile([speed, 0.0], (m, 1)), [end])
+    ages = np.zeros((m, 7))
+    return Record(t, t + 1e9, hand, q, base, np.tile([speed, 0.0], (m, 1)), ages, [end])
 
 
 def outcome(deployment: Deployment, made: Record | None, code: int = 0) -> Summary:
@@ -122,7 +123,7 @@ def test_a_robot_that_never_moved_has_failed(deployment: Deployment, tmp_path: P
 
 def test_only_the_last_plant_counts_and_cut_lines_do_not(tmp_path: Path) -> None:
     tick = '{"event": "tick", "wall": 1, "t": %g, "hand": [0, 0, 0], "q": [0], "base": [0, 0, 0], '
-    tick += '"base_velocity": [0, 0]}'
+    tick += '"base_velocity": [0, 0], "age": []}'
     start = '{"event": "start", "pid": 1}'
     lines = [start, tick % 1, tick % 2, start, tick % 3, (tick % 4)[:30]]
     (tmp_path / "plant.jsonl").write_text("\n".join(lines))

@@ -1,0 +1,71 @@
+"""Copies of an agent: one is obeyed, and when it dies or hangs another takes over in time."""
+
+import numpy as np
+import pytest
+
+from runtime.config.deployment import Member, load
+from runtime.config.overrides import Override
+from runtime.config.tree import ConfigError
+from runtime.launching.record import read_record
+from tests.runtime.conftest import ROOT, Robot, wait_for
+
+FILE = ROOT / "deploy" / "arph.yaml"
+HOSTS = Override("test", "hosts", "{robot: 10.0.0.1, arm: 10.0.0.2, base: 10.0.0.3}")
+
+
+def copies(text: str, *more: Override) -> list[Member]:
+    start = "role: joint/1, class: agents.joint:JointAgent"
+    override = Override("test", "agents.joint/1", f"{{{start}, {text}}}")
+    return [member for member in load(FILE, [*more, override]).crew if member.copy]
+
+
+def test_a_copy_is_one_more_process_in_the_same_role() -> None:
+    assert copies("copies: 3") == [Member("joint/1", "local", copy=True)] * 2
+
+
+def test_copies_are_on_other_hosts_where_there_are_any() -> None:
+    assert copies("host: arm, copies: 2", HOSTS) == [Member("joint/1", "base", copy=True)]
+    assert copies("host: base, copies: 2", HOSTS) == [Member("joint/1", "robot", copy=True)]
+    assert copies("host: [arm, robot], copies: 2", HOSTS) == [Member("joint/1", "robot", copy=True)]
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("copies: 0", "copies: 0 must be at least 1, such as 2"),
+        ("host: [arm, base]", "host: 2 hosts for 1 of it; say copies: 2"),
+        ("host: [arm, moon], copies: 2", "host.1: there is no host 'moon'"),
+    ],
+)
+def test_copies_that_cannot_be_are_refused(text: str, says: str) -> None:
+    with pytest.raises(ConfigError, match=says.replace("[", r"\[")):
+        copies(text, HOSTS)
+
+
+@pytest.mark.parametrize("chaos", ["--kill=joint/1@3", "--hang=joint/1@3:1s"])
+def test_a_standby_takes_over_within_the_hold_time(robot: Robot, chaos: str) -> None:
+    launcher = robot.launch("--duration", "5s", "--set", "agents.joint/1.copies=2", chaos)
+    robot.until(1.0)
+    shown = robot.tool("status").stdout
+    assert shown.count("joint/1 ") == 2, shown
+    out, err = launcher.communicate(timeout=40)
+    assert launcher.returncode == 0, out + err
+    obeyed = [line["by"] for line in robot.log("plant", "obeys") if line["role"] == "joint/1"]
+    (done,) = [line for line in robot.log("launcher", "chaos") if line["action"] != "wake"]
+    pids = {line["by"]: line["pid"] for line in robot.log("joint/1", "start")}
+    assert len(pids) == 2
+    assert done["pids"] == [pids[obeyed[-2]]] or "hang" in chaos
+    assert set(obeyed) == set(pids), "the other took over"
+    record = read_record(robot.run_folder)
+    after = record.age[(record.t >= done["t"]) & (record.t < done["t"] + 1.0), 0]
+    assert not np.isnan(after).any(), "the joint was never without a command in force"
+
+
+def test_a_copy_that_was_killed_can_be_revived(robot: Robot) -> None:
+    code, said = robot.run(
+        *("--duration", "4s", "--speed", "2", "--set", "agents.joint/1.copies=2"),
+        *("--kill", "joint/1@1", "--revive", "joint/1@1.5"),
+    )
+    assert code == 0, said
+    assert len(robot.log("joint/1", "start")) == 3
+    wait_for(lambda: not robot.processes(), "all to end", timeout=5.0)
