@@ -1,6 +1,7 @@
 """Where the arm is when its joints stand so: forward kinematics for one arm or for thousands."""
 
 import math
+from math import cos, sin
 from typing import NamedTuple
 
 import numpy as np
@@ -31,9 +32,10 @@ class Kinematics:
     """Forward kinematics of one robot, with all that can be known beforehand worked out once.
 
     Each joint's frame is turned so that its axis is z. Past joint i the chain then goes on by
-    Rz(q_i) L_i with a constant L_i, whose elements are linear in 1, sin q_i and cos q_i: one matrix
-    product gives them for all joints of all arms. The base's heading is one more such angle, with
-    its axis through the origin of the base's frame.
+    Rz(q_i) L_i with a constant L_i. The base's heading is one more such angle, with its axis
+    through the origin of the base's frame. Many arms go through it as arrays: the elements of
+    Rz(q_i) L_i are linear in 1, sin q_i and cos q_i, so one matrix product gives them for all
+    joints of all arms. A lone arm goes through it in plain floats, in half the time.
     """
 
     def __init__(self, robot: Robot) -> None:
@@ -43,6 +45,7 @@ class Kinematics:
         offsets = np.stack([*(joint.origin for joint in robot.joints), robot.tip])  # to the next
         links = self._align.transpose(0, 2, 1) @ offsets
         links[:-1] = links[:-1] @ self._align[1:]
+        self._columns = [tuple(link[:3].T.ravel().tolist()) for link in links]
         by_cosine, by_sine = np.zeros_like(links), np.zeros_like(links)
         by_cosine[:, :2] = links[:, :2]
         by_sine[:, 0], by_sine[:, 1] = -links[:, 1], links[:, 0]
@@ -56,6 +59,8 @@ class Kinematics:
         of the two are broadcast.
         """
         base = _AT_ORIGIN if base is None else base
+        if q.ndim == base.ndim == 1:
+            return self._forward_of_one(q, base)
         n = self.robot.n
         batch = q.shape[:-1]
         if base.ndim > 1:
@@ -80,6 +85,37 @@ class Kinematics:
             joints[..., :3, 3].reshape(*batch, n, 3),
             joints[..., :3, 2].reshape(*batch, n, 3),
         )
+
+    def _forward_of_one(self, q: Array, base: Array) -> ArmPose:
+        """The arm at `q` (n,) of a base at (3,): the frame's columns x, y, z, p go along it."""
+        px, py, heading = base.tolist()
+        pz = 0.0
+        xx, xy, xz, yx, yy, yz, zx, zy, zz = _IDENTITY
+        points, axes = [], []
+        for angle, link in zip((heading, *q.tolist()), self._columns, strict=True):
+            lxx, lxy, lxz, lyx, lyy, lyz, lzx, lzy, lzz, lpx, lpy, lpz = link
+            c, s = cos(angle), sin(angle)
+            ux, uy, uz = c * xx + s * yx, c * xy + s * yy, c * xz + s * yz  # x, turned
+            vx, vy, vz = c * yx - s * xx, c * yy - s * xy, c * yz - s * xz  # y, turned
+            px += ux * lpx + vx * lpy + zx * lpz
+            py += uy * lpx + vy * lpy + zy * lpz
+            pz += uz * lpx + vz * lpy + zz * lpz
+            xx = ux * lxx + vx * lxy + zx * lxz
+            xy = uy * lxx + vy * lxy + zy * lxz
+            xz = uz * lxx + vz * lxy + zz * lxz
+            yx = ux * lyx + vx * lyy + zx * lyz
+            yy = uy * lyx + vy * lyy + zy * lyz
+            yz = uz * lyx + vz * lyy + zz * lyz
+            zx, zy, zz = (
+                ux * lzx + vx * lzy + zx * lzz,
+                uy * lzx + vy * lzy + zy * lzz,
+                uz * lzx + vz * lzy + zz * lzz,
+            )
+            points.append((px, py, pz))
+            axes.append((zx, zy, zz))
+        tip, _ = points.pop(), axes.pop()
+        rotation = np.array(((xx, yx, zx), (xy, yy, zy), (xz, yz, zz)))
+        return ArmPose(np.array(tip), rotation, np.array(points), np.array(axes))
 
     def frames(self, q: Array, base: Array | None = None) -> Array:
         """(..., n + 1, 4, 4): the base's frame and each joint's frame in the world.
@@ -147,6 +183,7 @@ def _outer_from_rotation() -> Array:
 _OUTER = _outer_from_rotation()
 _UNIT_OUTER = np.eye(4).reshape(16)
 _AT_ORIGIN = np.zeros(3)
+_IDENTITY = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 
 
 def _about_z(angle: Array) -> Array:
