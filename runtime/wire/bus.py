@@ -11,7 +11,7 @@ from types import TracebackType
 from typing import NamedTuple, Self
 
 import zenoh
-from zenoh.handlers import Handler, RingChannel
+from zenoh.handlers import Callback, Handler, RingChannel
 
 from plant.errors import MsmaError
 from runtime.wire import keys
@@ -157,10 +157,14 @@ class Bus:
         return Ring(self._session.declare_subscriber(key, RingChannel(depth)))
 
     def tray(self, *expressions: str, depth: int = 4096) -> Tray:
-        """Return what comes on some key expressions, the last `depth` messages of it."""
+        """Return what comes on some key expressions, the last `depth` messages of it.
+
+        It is put there by the thread that receives it, without another one in between: that
+        saves a change of threads for each message, and `put` never waits.
+        """
         tray = Tray(depth)
         for expression in expressions:
-            self._session.declare_subscriber(expression, tray.put)
+            self._session.declare_subscriber(expression, Callback(tray.put, indirect=False))
         return tray
 
     def listen(self, key: str, take: Callable[[str, bytes], None]) -> None:
