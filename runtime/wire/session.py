@@ -51,11 +51,21 @@ def config(robot: str | None, place: Place) -> zenoh.Config:
     )
 
 
-def _provide_threads(elsewhere: int) -> None:
-    """Let no cut cable hold up what comes from others: that takes two threads a remote peer.
+_ONE_THREAD = (
+    "(app: (handover: net), acc: (handover: net), tx: (handover: net), rx: (handover: net))"
+)
 
-    Closing a connection that leads nowhere keeps a receiving thread of Zenoh busy for seconds,
-    and by default there are two. It reads this once, when a process opens its first session.
+
+def _provide_threads(elsewhere: int) -> None:
+    """Let one thread do all of Zenoh's work, or let no cut cable hold up what comes from others.
+
+    By default it has five pools of threads that hand each message on to each other: with nine
+    processes a tick is 90 changes of threads, and half of that with one thread for all, in two
+    thirds of the processors' time. But closing a connection that leads nowhere keeps a receiving
+    thread busy for seconds: where other hosts may vanish, that takes two for each remote peer.
+    Zenoh reads this once, when a process opens its first session. What a user has set stays; what
+    was inherited from a process that had no remote peers does not count.
     """
-    if elsewhere:
-        os.environ.setdefault("ZENOH_RUNTIME", f"(rx: (worker_threads: {2 + 2 * elsewhere}))")
+    if os.environ.get("ZENOH_RUNTIME", _ONE_THREAD) == _ONE_THREAD:
+        many = f"(rx: (worker_threads: {2 + 2 * elsewhere}))"
+        os.environ["ZENOH_RUNTIME"] = many if elsewhere else _ONE_THREAD
