@@ -19,11 +19,11 @@ $(VENV)/bin/pip:
 	$(PYTHON) -m venv $(VENV)
 
 $(VENV)/run: pyproject.toml $(VENV)/bin/pip
-	$(BIN)/pip install --quiet --editable '.[plots]'
+	$(BIN)/pip install --quiet --editable '.[keys,plots]'
 	@touch $@
 
 $(VENV)/test: pyproject.toml $(VENV)/bin/pip
-	$(BIN)/pip install --quiet --editable '.[plots,test]'
+	$(BIN)/pip install --quiet --editable '.[keys,plots,test]'
 	@touch $@ $(VENV)/run
 
 clean:

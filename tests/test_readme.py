@@ -3,6 +3,7 @@
 import os
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 import time
@@ -24,13 +25,13 @@ def commands(block: str) -> list[str]:
     return [line for line in lines if line and not line.startswith(". ")]
 
 
-MAKE, *LAUNCHES, RUNNING, STUDY = blocks("sh")
+MAKE, *LAUNCHES, RUNNING, SECURE, STUDY = blocks("sh")
 
 
 @pytest.fixture
 def place(tmp_path):
-    """A folder from which the deployment files are seen as from the project's own."""
-    (tmp_path / "deploy").symlink_to(ROOT / "deploy")
+    """A folder with the deployment files of the project's own."""
+    shutil.copytree(ROOT / "deploy", tmp_path / "deploy", ignore=shutil.ignore_patterns("keys"))
     return tmp_path
 
 
@@ -58,6 +59,13 @@ def test_the_commands_of_the_first_screen_are_those_of_the_makefile(command):
 def test_a_command_that_needs_nothing_running_ends_well(command, place):
     done = run(command, place)
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_keys_are_made_and_the_robot_runs_by_them(place):
+    for command in commands(SECURE):
+        done = run(command, place)
+        assert done.returncode == 0, done.stdout + done.stderr
+    assert "goal reached" in done.stdout
 
 
 def test_a_running_robot_does_as_it_is_told_from_another_terminal(place):

@@ -14,10 +14,12 @@ from runtime.config.hosts import HostName, HostSpec, here_alone
 from runtime.config.kinds import Output, Pattern, Range, Scope
 from runtime.config.overrides import Override
 from runtime.config.reading import Derived, kind_of
+from runtime.config.security import SecuritySpec
 from runtime.config.specs import AgentSpec, Description, GoalSpec, PlantSpec, Start
 from runtime.config.tree import ConfigError, Node, read_file, valid_are
 from runtime.wire.mesh import Mesh
 from runtime.wire.ports import FIRST_COPY, SLOTS, port_base
+from runtime.wire.security import Credentials
 
 Name = Annotated[str, Pattern("[A-Za-z0-9][A-Za-z0-9_-]{0,63}", "a robot's name", "arph")]
 Port = Annotated[int, Range(such_as="7600", least=1024, most=65536 - SLOTS)]
@@ -49,6 +51,7 @@ class Deployment:
         modules: A folder with classes of the user's own; by default the one of this file.
         hosts: The machines that it runs on; without them all is on this one, and no other machine
             can reach it.
+        security: Who may join; without it, whoever can reach its ports, to do anything.
         start: Where the robot stands at first.
         plant: How the simulated robot behaves.
         goal: The path that the goal takes; without one, an operator moves it.
@@ -68,6 +71,7 @@ class Deployment:
     runs: Annotated[Path, Output(), Derived(lambda _: Path.cwd() / "runs")]
     modules: Annotated[Path, Derived(lambda scope: scope["folder"])]
     hosts: Annotated[Mapping[HostName, HostSpec], Derived(here_alone)]
+    security: SecuritySpec | None = None
     start: Start
     plant: PlantSpec
     goal: GoalSpec | None = None
@@ -113,6 +117,13 @@ class Deployment:
     def mesh(self) -> Mesh:
         """Where its processes find each other."""
         return Mesh(self.port, tuple(self.hosts[self.host_of(role)].address for role in self.roles))
+
+    def credentials(self, name: str) -> Credentials | None:
+        """Return what a role, or an operator, shows the others; None where nobody asks for it.
+
+        Raises `ConfigError` if the keys for that are not there, and says how to make them.
+        """
+        return None if self.security is None else self.security.credentials(name, self.roles)
 
     def agent(self, role: str) -> AgentSpec:
         """Return the agent in that role, or raise `ConfigError`."""

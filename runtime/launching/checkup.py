@@ -57,7 +57,7 @@ def place(target: Target, roles: int) -> Iterator[Finding]:
     running = set(robots_here())
     others = sorted(running - {target.robot})
     yield Finding(Grade.OK, "other robots", ", ".join(others) or "none run here")
-    with Bus(target.robot, "a tool", target.mesh.visitor(), incarnation=0) as bus:
+    with Bus(target.robot, "a tool", target.mesh.visitor(), 0, target.credentials) as bus:
         told = diags(bus)
     if told:
         there = ", ".join(sorted({diag.role for diag in told}))

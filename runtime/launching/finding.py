@@ -15,16 +15,19 @@ from runtime.wire import keys
 from runtime.wire.bus import Bus
 from runtime.wire.mesh import LOOPBACK, Address, Mesh, Place, on_loopback
 from runtime.wire.ports import ALL_BASES, port_base
+from runtime.wire.security import OPERATOR, Credentials
 
 _LOOKED_AT = 8  # ports of each robot: of plant, goal and the first agents
 _PATIENCE = 1.0  # [s]
+_BY_FILE = "if its file sets its port, hosts or security, give the file: --file FILE"
 
 
 class Target(NamedTuple):
-    """A robot to visit: its name, and where its processes are."""
+    """A robot to visit: its name, where its processes are, and what to show them."""
 
     robot: str
     mesh: Mesh
+    credentials: Credentials | None = None
 
 
 def add_target_options(parser: argparse.ArgumentParser) -> None:
@@ -36,7 +39,7 @@ def add_target_options(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--file",
         metavar="FILE",
-        help="its deployment file; needed if that sets its port or hosts",
+        help="its deployment file; needed if that sets its port, hosts or security",
     )
 
 
@@ -45,7 +48,7 @@ def target_of(args: argparse.Namespace) -> Target:
     if args.file is not None:
         name = [Override("--robot", "robot", json.dumps(args.robot))] if args.robot else []
         deployment = load(args.file, name, keys.PLANT)
-        return Target(deployment.robot, deployment.mesh)
+        return Target(deployment.robot, deployment.mesh, deployment.credentials(OPERATOR))
     if args.robot is not None:
         return Target(args.robot, on_loopback(port_base(args.robot)))
     running = robots_here()
@@ -53,7 +56,7 @@ def target_of(args: argparse.Namespace) -> Target:
         return Target(running[0], on_loopback(port_base(running[0])))
     if running:
         raise RunError(f"several robots run here: {', '.join(running)}; say which: --robot NAME")
-    raise RunError("no robot runs here; if its file sets its port, give the file: --file FILE")
+    raise RunError(f"no robot runs here; {_BY_FILE}")
 
 
 def robots_here() -> list[str]:
@@ -87,8 +90,10 @@ def is_taken(port: int, host: str = LOOPBACK) -> bool:
 def visit(target: Target) -> Iterator[Bus]:
     """Join the bus of a running robot as a tool; `RunError` if nothing runs there."""
     mesh = target.mesh
-    with Bus(target.robot, "a tool", mesh.visitor(), random.getrandbits(63)) as bus:
+    incarnation = random.getrandbits(63)
+    with Bus(target.robot, "a tool", mesh.visitor(), incarnation, target.credentials) as bus:
         if not bus.who_is_alive(_PATIENCE):
             where = f"ports {mesh.base} and up of {', '.join(mesh.addresses)}"
-            raise RunError(f"nothing of robot {target.robot} runs ({where})")
+            hint = "" if target.credentials else f"; {_BY_FILE}"
+            raise RunError(f"nothing of robot {target.robot} runs ({where}){hint}")
         yield bus

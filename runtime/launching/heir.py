@@ -21,6 +21,7 @@ from runtime.processes.journal import Journal
 from runtime.processes.life import Life
 from runtime.wire.bus import Bus
 from runtime.wire.keys import PLANT
+from runtime.wire.security import OPERATOR
 
 _TURN = 0.02  # [s] between two looks at plant time
 
@@ -36,7 +37,8 @@ def inherit(run: Path, t: float) -> None:
     schedule = Schedule(deployment.chaos)
     begun = {due.event for due in schedule.due(t) if not due.over}
     journal = Journal(run, "heir")
-    with Bus(deployment.robot, "heir", deployment.mesh.visitor(), secrets.randbits(63)) as bus:
+    place, credentials = deployment.mesh.visitor(), deployment.credentials(OPERATOR)
+    with Bus(deployment.robot, "heir", place, secrets.randbits(63), credentials) as bus:
         watcher = Watcher(bus)
         havoc = Havoc(deployment, Children(run), watcher, journal, show=say, happened=say)
         for event in begun:

@@ -15,11 +15,13 @@ from runtime.launching.failures import RunError
 from runtime.launching.havoc import Havoc, Network, check_means
 from runtime.launching.heir import bequeath
 from runtime.launching.schedule import ALL_MEANS, FORCE, Escalation, Means, Schedule
+from runtime.launching.trial import prove_all
 from runtime.launching.watcher import View, Watcher
 from runtime.processes.ending import Ending
 from runtime.processes.journal import Journal, new_run_folder
 from runtime.processes.life import Life
 from runtime.wire.bus import Bus
+from runtime.wire.security import OPERATOR
 
 if TYPE_CHECKING:
     from runtime.launching.screen import (
@@ -57,9 +59,10 @@ class Course(NamedTuple):
 def prepare(deployment: Deployment, network: Network | None = None) -> Path:
     """Make the folder of a run, with the deployment as resolved in it, and return it.
 
-    Raises `ConfigError` for chaos that nothing here can carry out.
+    Raises `ConfigError` for chaos that nothing here can carry out, and for keys that are not good.
     """
     check_means(deployment, network)
+    prove_all(deployment, deployment.roles)
     try:
         run = new_run_folder(deployment.runs, deployment.robot).absolute()
         (run / "deployment.yaml").write_text(deployment.dump(), encoding="utf-8")
@@ -119,7 +122,8 @@ class Launcher:
 
     def _visit(self) -> Bus:
         deployment = self._deployment
-        return Bus(deployment.robot, "launcher", deployment.mesh.visitor(), incarnation=0)
+        place, credentials = deployment.mesh.visitor(), deployment.credentials(OPERATOR)
+        return Bus(deployment.robot, "launcher", place, 0, credentials)
 
     def _stay(self) -> None:
         """Watch until the run is over, nothing is left of it, or somebody interrupts it."""

@@ -7,6 +7,7 @@ from runtime.config.deployment import Deployment, Member
 from runtime.wire import keys
 from runtime.wire.bus import Bus, BusError
 from runtime.wire.fields import MessageError
+from runtime.wire.mesh import Place
 from runtime.wire.messages import Diag, unpack
 from runtime.wire.ports import FIRST_COPY, SLOTS
 
@@ -20,12 +21,17 @@ def join(deployment: Deployment, member: Member, incarnation: int) -> Bus:
     for copies.
     """
     mesh, role = deployment.mesh, member.role
+    credentials = deployment.credentials(role)
+
+    def take(place: Place) -> Bus:
+        return Bus(deployment.robot, role, place, incarnation, credentials)
+
     if not member.copy:
-        return Bus(deployment.robot, role, mesh.seat(deployment.slot(role)), incarnation)
+        return take(mesh.seat(deployment.slot(role)))
     home = deployment.hosts[member.host].address
     for slot in range(FIRST_COPY, SLOTS):
         try:
-            return Bus(deployment.robot, role, mesh.copy_seat(slot, home), incarnation)
+            return take(mesh.copy_seat(slot, home))
         except BusError as error:
             taken = error
     raise taken

@@ -10,6 +10,7 @@ import time
 import traceback
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
+from contextlib import ExitStack
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -25,6 +26,7 @@ from runtime.wire.bus import BusError
 from runtime.wire.fields import Spread
 from runtime.wire.messages import Diag, pack, stamp
 from runtime.wire.refusals import Refusals
+from runtime.wire.strangers import Strangers
 
 _CHECK = 0.25  # [s] between two looks of the watchdog
 _FLUSH, _REPORT = 2, 4  # looks from one flush of the log, one diag to the next
@@ -84,14 +86,15 @@ class Process:
         )
         self._rate = 0.0
         self._n = 0
-        self.bus = join(deployment, member, secrets.randbits(63))
-        try:
+        self._strangers: Strangers | None = None
+        with ExitStack() as stack:
+            if deployment.credentials(self.role):
+                self._strangers = stack.enter_context(Strangers(self.refusals))
+            self.bus = stack.enter_context(join(deployment, member, secrets.randbits(63)))
             found = run or run_of_others(self.bus)
             self.run = (found or new_run_folder(deployment.runs, deployment.robot)).absolute()
             self.journal = Journal(self.run, self.role)
-        except BaseException:
-            self.bus.close()
-            raise
+            self._stack = stack.pop_all()
 
     def __enter__(self) -> Self:
         return self
@@ -102,7 +105,7 @@ class Process:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        self.bus.close()
+        self._stack.close()
         self.journal.close()
 
     def live(self, loop: Loop) -> int:
@@ -149,6 +152,8 @@ class Process:
                 self.ending.ask("the run is over")
             elif self.life and (reason := self.life.forlorn(now)):
                 self.ending.ask(reason, FAILED)
+            if self._strangers:
+                self._strangers.look()
             if looks % _REPORT == 0:
                 self._rate = rate.look(loop.work.count, now)
                 publisher.send(self.diag(loop))

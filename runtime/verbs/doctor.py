@@ -6,6 +6,7 @@ from pathlib import Path
 from runtime.config.deployment import load
 from runtime.launching.checkup import Grade, machine, place
 from runtime.launching.finding import add_target_options, target_of
+from runtime.launching.key_checkup import keys
 from runtime.launching.table import columns
 from runtime.wire.keys import PLANT
 from runtime.wire.ports import FIRST_COPY
@@ -20,7 +21,12 @@ def run(args: argparse.Namespace) -> int:
     """Check; 1 if anything is bad."""
     deployment = None if args.file is None else load(args.file, only_role=PLANT)
     findings = list(machine(Path.cwd() / "runs" if deployment is None else deployment.runs))
-    if args.robot is not None or deployment is not None:
+    wrong_keys = False
+    if deployment is not None:
+        of_keys = list(keys(deployment))
+        wrong_keys = any(one.grade is Grade.BAD for one in of_keys)
+        findings += of_keys
+    if not wrong_keys and (args.robot is not None or deployment is not None):
         roles = FIRST_COPY if deployment is None else len(deployment.roles)
         findings += place(target_of(args), roles)
     print("\n".join(columns([(one.grade.value, one.what, one.detail) for one in findings])))

@@ -17,6 +17,7 @@ from plant.errors import MsmaError
 from runtime.wire import keys
 from runtime.wire.mesh import Place
 from runtime.wire.messages import LARGEST, Message, pack, stamp
+from runtime.wire.security import Credentials
 from runtime.wire.session import config
 
 _LINGER = 0.1  # [s] that an answer has to leave before the bus is closed: closing drops what waits
@@ -110,12 +111,20 @@ class Bus:
     """A process's place on its robot's bus; open while in its `with` block.
 
     robot: its name, the Zenoh namespace: nothing crosses to other robots; None to see all of them
+    credentials: what it is known by, where certificates are asked for
     """
 
-    def __init__(self, robot: str | None, role: str, place: Place, incarnation: int) -> None:
+    def __init__(
+        self,
+        robot: str | None,
+        role: str,
+        place: Place,
+        incarnation: int,
+        credentials: Credentials | None = None,
+    ) -> None:
         self.incarnation = incarnation
         try:
-            self._session = zenoh.open(config(robot, place))
+            self._session = zenoh.open(config(robot, place, credentials))
         except zenoh.ZError as error:
             raise BusError(_why(robot, role, place, str(error))) from None
         self._token: zenoh.LivelinessToken | None = None

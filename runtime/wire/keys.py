@@ -26,6 +26,7 @@ GOAL = "goal"
 FAULT = "ctl/plant/fault"
 EVERYBODY_ALIVE = "alive/**"
 EVERY_DIAG = "diag/**"
+EVERY_CONTROL = "ctl/**"
 
 PLANT, GOAL_SOURCE, PLATFORM_AGENT = "plant", "goal", "platform"
 
@@ -64,6 +65,11 @@ def alive(role: str, incarnation: int) -> str:
     return f"alive/{role}/{incarnation:x}"
 
 
+def alive_in(role: str) -> str:
+    """Return the key expression of all liveliness tokens of a role."""
+    return f"alive/{role}/*"
+
+
 def who_is_alive(key: str) -> tuple[str, int] | None:
     """Return role and incarnation of a liveliness token's key; None if it is no such key."""
     match = _ALIVE.fullmatch(key)
@@ -78,6 +84,23 @@ def diag(role: str) -> str:
 def stop(role: str) -> str:
     """Return the key on which a role is asked to stop."""
     return f"ctl/{role}/stop"
+
+
+def controls(role: str) -> str:
+    """Return the key expression of all that can be asked of a role."""
+    return f"ctl/{role}/*"
+
+
+def told_by(role: str) -> tuple[str, ...]:
+    """Return the keys that are a role's to put on, beside its diag."""
+    name, _, number = role.partition("/")
+    if number:
+        return (joint_command(int(number)),)
+    return {
+        PLANT: (HAND, JOINTS, PLATFORM),
+        GOAL_SOURCE: (GOAL,),
+        PLATFORM_AGENT: (PLATFORM_COMMAND,),
+    }[name]
 
 
 def kind_of(key: str) -> type[Message] | None:

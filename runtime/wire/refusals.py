@@ -40,14 +40,14 @@ class Refusals:
         self._say = say
         self._counts: dict[str, dict[str, int]] = {}
 
-    def count(self, key: str, reason: str, detail: str = "") -> None:
-        """Count one refusal of what came on `key`, which is one of ours."""
+    def count(self, key: str, reason: str, detail: str = "", times: int = 1) -> None:
+        """Count one refusal, or several, of what came on `key`, which is one of ours."""
         reasons = self._counts.setdefault(key, {})
         before = reasons.get(reason, 0)
         if not before and len(reasons) >= REASONS_KEPT:
             reason = OTHER_REASONS
             before = reasons.get(reason, 0)
-        reasons[reason] = before + 1
+        reasons[reason] = before + times
         if not before:
             self._say(key, reason, detail)
 

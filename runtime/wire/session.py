@@ -1,6 +1,8 @@
 """How a process's Zenoh session is set up: what held when others were killed, stopped and cut off.
 
 It dials and listens where its place says and nowhere else: no multicast, no gossip, no router.
+Where certificates are asked for it speaks TLS: of QUIC, which Zenoh has too, the others notice
+only after a lease that a process was killed, and an answer takes twice as much longer.
 """
 
 import json
@@ -8,28 +10,29 @@ import os
 
 import zenoh
 
-from runtime.wire.mesh import Address, Place
+from runtime.wire.mesh import Place
+from runtime.wire.security import Credentials, access_list, encryption
 
 
-def endpoint(address: Address) -> str:
-    """Return an address as Zenoh wants it: the one place where the protocol is chosen."""
-    return f"tcp/{address}"
-
-
-def config(robot: str | None, place: Place) -> zenoh.Config:
+def config(robot: str | None, place: Place, credentials: Credentials | None = None) -> zenoh.Config:
     """Return the session's configuration, and set up the threads that it will have.
 
-    Without a robot's name, keys are those of all robots, each below its robot's name.
+    Without a robot's name, keys are those of all robots, each below its robot's name. Without
+    credentials, everybody may do everything.
     """
     _provide_threads(place.elsewhere)
+    protocol, encrypted, listed = "tcp", {}, {}
+    if credentials is not None and robot is not None:
+        protocol, encrypted = "tls", encryption(credentials)
+        listed = {"access_control": access_list(robot, credentials.roles)}
     return zenoh.Config.from_json5(
         json.dumps(
             {
                 "mode": "peer",
                 "namespace": robot,
-                "listen": {"endpoints": [endpoint(place.listen)]},
+                "listen": {"endpoints": [f"{protocol}/{place.listen}"]},
                 "connect": {
-                    "endpoints": [endpoint(address) for address in place.dials],
+                    "endpoints": [f"{protocol}/{address}" for address in place.dials],
                     "retry": {
                         "period_init_ms": 100,
                         "period_max_ms": 500,
@@ -42,10 +45,14 @@ def config(robot: str | None, place: Place) -> zenoh.Config:
                     "gossip": {"enabled": False},
                 },
                 "transport": {
-                    "link": {"tx": {"lease": 250, "keep_alive": 4}},  # [ms], keep-alives a lease
+                    "link": {
+                        "tx": {"lease": 250, "keep_alive": 4},  # [ms], keep-alives a lease
+                        **encrypted,
+                    },
                     "unicast": {"open_timeout": 1000, "accept_timeout": 1000},  # [ms]
                     "shared_memory": {"enabled": False},  # it leaks when a process is killed
                 },
+                **listed,
             }
         )
     )

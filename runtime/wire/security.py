@@ -1,0 +1,126 @@
+"""Who may do what on the bus, by the name in a certificate: mutual TLS, and an access list.
+
+Each process enforces the list on what comes in, so that nothing is relied on that another one
+should have refused. All rights are those of a name; copies of a role share its certificate.
+"""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from runtime.wire import keys
+
+OPERATOR = "operator"
+"""The name in the certificate of who commands the robot: the launcher and all tools."""
+
+_READ = ("declare_subscriber", "liveliness_query", "declare_liveliness_subscriber")
+_ALL = (*_READ, "put", "query", "reply", "declare_queryable", "liveliness_token")
+
+
+class Credentials(NamedTuple):
+    """What a process shows the others, and whom it lets do what.
+
+    folder: where certificates and private keys are
+    name: the name in its own certificate: its role, or `OPERATOR`
+    roles: the robot's roles; who has another name has no rights
+    """
+
+    folder: Path
+    name: str
+    roles: tuple[str, ...]
+
+    @property
+    def authority(self) -> Path:
+        """The certificate of the authority that all others are signed by."""
+        return self.folder / "ca.pem"
+
+    @property
+    def certificate(self) -> Path:
+        """Its own certificate."""
+        return self.folder / f"{keys.file_name(self.name)}.pem"
+
+    @property
+    def private_key(self) -> Path:
+        """The private key of its certificate."""
+        return self.folder / f"{keys.file_name(self.name)}.key"
+
+
+def names(roles: Sequence[str]) -> tuple[str, ...]:
+    """Return all names that have rights on the bus of a robot with these roles."""
+    return (*roles, OPERATOR)
+
+
+def encryption(credentials: Credentials) -> dict[str, Any]:
+    """Return Zenoh's settings of its links: TLS alone, and both ends show a certificate."""
+    certificate, key = str(credentials.certificate), str(credentials.private_key)
+    return {
+        "protocols": ["tls"],
+        "tls": {
+            "root_ca_certificate": str(credentials.authority),
+            "enable_mtls": True,
+            "listen_certificate": certificate,
+            "listen_private_key": key,
+            "connect_certificate": certificate,
+            "connect_private_key": key,
+            "verify_name_on_connect": True,
+        },
+    }
+
+
+def access_list(robot: str, roles: Sequence[str]) -> dict[str, Any]:
+    """Return Zenoh's access control of a robot with these roles.
+
+    Nothing is allowed but this. To everybody with a name goes what he asks for. Of what comes:
+
+    - all may listen, see who is alive, and ask how others are;
+    - a role may put on the keys that are its own by the wire contract, be seen alive as itself,
+      and answer what itself is asked;
+    - operators may ask for anything below `ctl`, and lead the goal.
+
+    A rule covers a message if its keys include all of the message's, so a wildcard that reaches
+    beyond one's own keys is refused whole. Zenoh sees keys below the robot's name.
+    """
+    rules = _Rules(f"{robot}/")
+    everybody = list(names(roles))
+    rules.allow(everybody, "egress", _ALL, "**")
+    rules.allow(everybody, "ingress", _READ, "**")
+    rules.allow(everybody, "ingress", ("query",), keys.EVERY_DIAG)
+    rules.allow([OPERATOR], "ingress", ("query",), keys.EVERY_CONTROL)
+    rules.allow([OPERATOR], "ingress", ("put",), keys.GOAL)
+    for role in roles:
+        answers = (keys.controls(role), keys.diag(role))
+        rules.allow([role], "ingress", ("put",), *keys.told_by(role), keys.diag(role))
+        rules.allow([role], "ingress", ("liveliness_token",), keys.alive_in(role))
+        rules.allow([role], "ingress", ("declare_queryable", "reply"), *answers)
+    return {
+        "enabled": True,
+        "default_permission": "deny",
+        "rules": rules.rules,
+        "subjects": [{"id": name, "cert_common_names": [name]} for name in everybody],
+        "policies": rules.policies,
+    }
+
+
+class _Rules:
+    """Zenoh's rules, each with the policy that says to whom it applies."""
+
+    def __init__(self, prefix: str) -> None:
+        self._prefix = prefix
+        self.rules: list[dict[str, Any]] = []
+        self.policies: list[dict[str, Any]] = []
+
+    def allow(
+        self, subjects: Sequence[str], flow: str, messages: Sequence[str], *expressions: str
+    ) -> None:
+        """Allow some kinds of messages on some key expressions, in one direction."""
+        name = str(len(self.rules))
+        self.rules.append(
+            {
+                "id": name,
+                "permission": "allow",
+                "flows": [flow],
+                "messages": list(messages),
+                "key_exprs": [self._prefix + expression for expression in expressions],
+            }
+        )
+        self.policies.append({"rules": [name], "subjects": list(subjects)})

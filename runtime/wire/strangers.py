@@ -1,0 +1,139 @@
+"""Who was turned away before any of our code saw a message: counted from what Zenoh says of it.
+
+Zenoh tells it in its log alone, which it can write nowhere but to the standard output. So that
+becomes a file without a name, which is looked through now and then: nobody who knocks, however
+often, makes anybody wait, and nothing is left of it. What else it holds goes to where it was
+meant to go.
+"""
+
+import fcntl
+import os
+import re
+import sys
+import tempfile
+from collections import Counter
+from enum import StrEnum
+from typing import Self
+
+import zenoh
+
+from runtime.wire.refusals import Refusals
+
+STRANGERS = "(strangers)"
+"""Stands, among the keys that refusals are counted by, for who could not connect."""
+ACCESS_LIST = "(access list)"
+"""Stands for what came from somebody who may connect, and may not do that."""
+
+_LOGGED = (
+    "off",
+    "zenoh_link_tls=warn",
+    "zenoh::net::routing::interceptor=trace",  # a line for each message that is dropped
+    "zenoh::net::routing::interceptor::access_control=info",  # its trace tells of all others too
+)
+_COLOURS = re.compile(rb"\x1b\[[0-9;]*m")
+_LINE = re.compile(rb"\S+Z +[A-Z]+ .*?(zenoh[a-z_:]*): (.*)")
+_OURS = (b"zenoh_link_tls", b"zenoh::net::routing::interceptor")
+_HINT = " Hint: increase the system open file limit."  # which it gives to all failures
+_LARGE = 1 << 20  # bytes, after which the file is emptied
+
+
+class Turned(StrEnum):
+    """Why somebody was turned away; the value is what people read."""
+
+    NOT_TLS = "not TLS"
+    NO_CERTIFICATE = "no certificate"
+    EXPIRED = "expired certificate"
+    TOO_EARLY = "certificate not good yet"
+    OTHER_AUTHORITY = "certificate of another authority"
+    DISTRUST = "trusts another authority"
+    NO_ROLE = "certificate of no role here"
+    NOT_ALLOWED = "not allowed"
+    OTHER = "no proper connection"
+
+
+_SIGNS = (
+    (b"Msg intercepted", Turned.NOT_ALLOWED),
+    (b"did not match any configured ACL subject", Turned.NO_ROLE),
+    (b"corrupt message", Turned.NOT_TLS),
+    (b"sent no certificates", Turned.NO_CERTIFICATE),
+    (b"certificate expired", Turned.EXPIRED),
+    (b"certificate not valid yet", Turned.TOO_EARLY),
+    (b"fatal alert: UnknownCA", Turned.DISTRUST),
+    (b"invalid peer certificate", Turned.OTHER_AUTHORITY),
+    (b"", Turned.OTHER),
+)
+
+
+class Strangers:
+    """Listens to Zenoh's log in its `with` block, which begins before the first session is opened.
+
+    refusals: what they are counted in
+    """
+
+    def __init__(self, refusals: Refusals) -> None:
+        self._refusals = refusals
+        self._rest = b""
+        self._read = 0
+        sys.stdout.flush()
+        self._out = os.dup(1)
+        self._log = _file_without_a_name()
+        os.dup2(self._log, 1)
+        zenoh.init_log_from_env_or(",".join(_LOGGED))
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def look(self) -> None:
+        """Count what was logged since the last look, and pass on what else was written."""
+        found: Counter[tuple[str, Turned]] = Counter()
+        details: dict[Turned, str] = {}
+        while data := os.pread(self._log, _LARGE, self._read):
+            self._read += len(data)
+            *lines, self._rest = (self._rest + data).split(b"\n")
+            for line in lines:
+                turned = _turned_away(line)
+                if turned is None:
+                    os.write(self._out, line + b"\n")
+                else:
+                    key, why, detail = turned
+                    found[key, why] += 1
+                    details.setdefault(why, detail)
+        for (key, why), times in found.items():
+            self._refusals.count(key, why, details[why], times)
+        if self._read > _LARGE:
+            os.ftruncate(self._log, 0)  # what was written since the last read goes uncounted
+            self._read = 0
+
+    def close(self) -> None:
+        """Look for the last time, and give the standard output back."""
+        sys.stdout.flush()
+        os.dup2(self._out, 1)
+        self.look()
+        os.write(self._out, self._rest)
+        os.close(self._out)
+        os.close(self._log)
+
+
+def _file_without_a_name() -> int:
+    """Return a file that appends, in memory where the system has that."""
+    if not hasattr(os, "memfd_create"):
+        with tempfile.TemporaryFile("ab") as file:
+            return os.dup(file.fileno())
+    memory = os.memfd_create("strangers")
+    fcntl.fcntl(memory, fcntl.F_SETFL, os.O_APPEND)
+    return memory
+
+
+def _turned_away(line: bytes) -> tuple[str, Turned, str] | None:
+    """Return what to count a line of Zenoh's log as: key, reason, detail; None if it is another."""
+    match = _LINE.fullmatch(_COLOURS.sub(b"", line))
+    if match is None or not match[1].startswith(_OURS):
+        return None
+    why = next(why for sign, why in _SIGNS if sign in match[2])
+    if why is Turned.NOT_ALLOWED:
+        return ACCESS_LIST, why, ""
+    detail = match[2].decode(errors="replace").removesuffix(_HINT)
+    return STRANGERS, why, detail
