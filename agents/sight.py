@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from agents.agent import Array, Body, Percepts
 from agents.arithmetic import sqrt, squared_length
-from plant.kinematics import ArmPose, Kinematics
+from plant.kinematics import ArmPose, kinematics_of
 
 Perception = Literal["auto", "blackboard", "localiser"]
 
@@ -45,7 +45,7 @@ class Sight:
     def __init__(self, body: Body, perception: Perception) -> None:
         """See as one part of that body."""
         self._perception = perception
-        self._kinematics = Kinematics(body.robot)
+        self._kinematics = kinematics_of(body.robot)
         self._mobile = body.robot.drive is not None
         by_model = {"joints", "base"} if self._mobile else {"joints"}
         self.sees = frozenset(

@@ -1,7 +1,8 @@
 """Where the arm is when its joints stand so: forward kinematics for one arm or for thousands."""
 
 import math
-from math import cos, sin
+from functools import cache
+from math import cos, prod, sin
 from typing import NamedTuple
 
 import numpy as np
@@ -28,14 +29,22 @@ class ArmPose(NamedTuple):
     axes: Array
 
 
+@cache
+def kinematics_of(robot: Robot) -> "Kinematics":
+    """Forward kinematics of a robot, the same object for all who ask."""
+    return Kinematics(robot)
+
+
 class Kinematics:
     """Forward kinematics of one robot, with all that can be known beforehand worked out once.
 
     Each joint's frame is turned so that its axis is z. Past joint i the chain then goes on by
     Rz(q_i) L_i with a constant L_i. The base's heading is one more such angle, with its axis
-    through the origin of the base's frame. Many arms go through it as arrays: the elements of
-    Rz(q_i) L_i are linear in 1, sin q_i and cos q_i, so one matrix product gives them for all
-    joints of all arms. A lone arm goes through it in plain floats, in half the time.
+    through the origin of the base's frame. A lone arm goes through it in plain floats, many as
+    arrays.
+
+    What was worked out last for many arms is kept, as long as nobody can have changed what it was
+    worked out from: in a study, all agents ask for the same.
     """
 
     def __init__(self, robot: Robot) -> None:
@@ -45,12 +54,9 @@ class Kinematics:
         offsets = np.stack([*(joint.origin for joint in robot.joints), robot.tip])  # to the next
         links = self._align.transpose(0, 2, 1) @ offsets
         links[:-1] = links[:-1] @ self._align[1:]
+        # each link's x, y, z and p, one after the other
         self._columns = [tuple(link[:3].T.ravel().tolist()) for link in links]
-        by_cosine, by_sine = np.zeros_like(links), np.zeros_like(links)
-        by_cosine[:, :2] = links[:, :2]
-        by_sine[:, 0], by_sine[:, 1] = -links[:, 1], links[:, 0]
-        # (n + 1, 3, 16): (1, sin q, cos q) times this is Rz(q) L, row by row
-        self._links = np.stack([links - by_cosine, by_sine, by_cosine], axis=1).reshape(-1, 3, 16)
+        self._last: tuple[Array, Array, ArmPose] | None = None
 
     def forward(self, q: Array, base: Array | None = None) -> ArmPose:
         """The arm at the angles `q` (..., n) [rad], in the world.
@@ -61,29 +67,38 @@ class Kinematics:
         base = _AT_ORIGIN if base is None else base
         if q.ndim == base.ndim == 1:
             return self._forward_of_one(q, base)
+        if self._last is not None and self._last[0] is q and self._last[1] is base:
+            return self._last[2]
+        pose = self._forward_of_many(q, base)
+        if not (q.flags.writeable or base.flags.writeable):
+            self._last = q, base, pose
+        return pose
+
+    def _forward_of_many(self, q: Array, base: Array) -> ArmPose:
+        """The same for any batch: a column is one array (3, B), so all of one kind lie together."""
         n = self.robot.n
-        batch = q.shape[:-1]
-        if base.ndim > 1:
-            batch = np.broadcast_shapes(batch, base.shape[:-1])
-            q, base = np.broadcast_to(q, (*batch, n)), np.broadcast_to(base, (*batch, 3))
-        trig = np.empty((n + 1, q.size // n, 3))
-        angles = trig[..., 0]
-        angles[0] = base[..., 2].reshape(-1)
-        angles[1:] = q.reshape(-1, n).T
-        np.sin(angles, out=trig[..., 1])
-        np.cos(angles, out=trig[..., 2])
-        angles[:] = 1.0
-        chain = (trig @ self._links).reshape(n + 1, -1, 4, 4)
-        chain[0, :, :2, 3] += base[..., :2].reshape(-1, 2)
-        frame = chain[0]
-        for link in chain[1:]:  # each becomes a joint's aligned frame before it turns; the tip's
-            frame = np.matmul(frame, link, out=link)
-        joints = chain[:-1].transpose(1, 0, 2, 3)
+        batch = np.broadcast_shapes(q.shape[:-1], base.shape[:-1])
+        count = prod(batch)
+        angles = np.ascontiguousarray(np.broadcast_to(q, (*batch, n)).reshape(-1, n).T)
+        heading = base[2:] if base.ndim == 1 else np.broadcast_to(base[..., 2], batch).reshape(-1)
+        cosines = [np.cos(heading), *np.cos(angles)]
+        sines = [np.sin(heading), *np.sin(angles)]
+        points, axes = np.empty((n + 1, 3, count)), np.empty((n + 1, 3, count))
+        x, y, z = np.eye(3)[:, :, None]
+        p = np.zeros((3, count))
+        p[:2] = np.broadcast_to(base[..., :2], (*batch, 2)).reshape(-1, 2).T
+        for i, (c, s, link) in enumerate(zip(cosines, sines, self._columns, strict=True)):
+            u, v = c * x + s * y, c * y - s * x
+            p = np.add(p, _mixed(link[9:], u, v, z), out=points[i])
+            x, y = _mixed(link[:3], u, v, z), _mixed(link[3:6], u, v, z)
+            axes[i] = z = _mixed(link[6:9], u, v, z)
+        rotation = np.empty((3, 3, count))
+        rotation[0], rotation[1], rotation[2] = x, y, z
         return ArmPose(
-            frame[:, :3, 3].reshape(*batch, 3),
-            frame[:, :3, :3].reshape(*batch, 3, 3),
-            joints[..., :3, 3].reshape(*batch, n, 3),
-            joints[..., :3, 2].reshape(*batch, n, 3),
+            p.T.reshape(*batch, 3),
+            rotation.transpose(2, 1, 0).reshape(*batch, 3, 3),
+            points[:-1].transpose(2, 0, 1).reshape(*batch, n, 3),
+            axes[:-1].transpose(2, 0, 1).reshape(*batch, n, 3),
         )
 
     def _forward_of_one(self, q: Array, base: Array) -> ArmPose:
@@ -132,6 +147,16 @@ class Kinematics:
         for i, joint in enumerate(self.robot.joints):
             turns[..., i + 1, :, :] = turns[..., i, :, :] @ joint.origin @ turns[..., i + 1, :, :]
         return turns
+
+
+def _mixed(weights: tuple[float, ...], *columns: Array) -> Array | float:
+    """The sum of columns (3, B), weighted; most weights of most robots are 0 or 1."""
+    mixed: Array | float = 0.0
+    for weight, column in zip(weights, columns, strict=True):
+        if weight:
+            part = column if weight == 1.0 else weight * column
+            mixed = part if isinstance(mixed, float) else mixed + part
+    return mixed
 
 
 def quaternion(rotation: Array) -> Array:
@@ -183,6 +208,7 @@ def _outer_from_rotation() -> Array:
 _OUTER = _outer_from_rotation()
 _UNIT_OUTER = np.eye(4).reshape(16)
 _AT_ORIGIN = np.zeros(3)
+_AT_ORIGIN.flags.writeable = False
 _IDENTITY = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from plant.effects import Effects, Encoders, Sighting
 from plant.faults import Fault
-from plant.kinematics import ArmPose, Kinematics, quaternion
+from plant.kinematics import ArmPose, kinematics_of, quaternion
 from plant.motion import Commands, State, step
 from plant.robot import Array, Robot, RobotError
 
@@ -61,14 +61,17 @@ class Simulator:
         _check_ranges(robot, q)
         batch = np.broadcast_shapes(q.shape[:-1], base.shape[:-1])
         self.robot, self.period = robot, period
-        self._kinematics = Kinematics(robot)
-        self._state = State(
-            0.0,
-            np.broadcast_to(q, (*batch, robot.n)).copy(),
-            np.zeros((*batch, robot.n)),
-            np.broadcast_to(base, (*batch, 3)).copy(),
-            np.zeros((*batch, 2)),
+        self._kinematics = kinematics_of(robot)
+        self._state = _final(
+            State(
+                0.0,
+                np.broadcast_to(q, (*batch, robot.n)).copy(),
+                np.zeros((*batch, robot.n)),
+                np.broadcast_to(base, (*batch, 3)).copy(),
+                np.zeros((*batch, 2)),
+            )
         )
+        self._at_origin = robot.drive is None and not base.any()  # and for ever
         self._arm: ArmPose | None = None
         self._effects = Effects(robot, period, np.random.default_rng(0) if rng is None else rng)
         for fault in faults:
@@ -91,7 +94,7 @@ class Simulator:
     def step(self, commands: Commands) -> State:
         """Move for one period; the commands are finite and (..., n), (..., 2) or fewer leading."""
         commands = self._effects.on_motors(commands, self._state, self.arm)
-        self._state = step(self.robot, self._state, commands, self.period)
+        self._state = _final(step(self.robot, self._state, commands, self.period))
         self._arm = None
         self._effects.after_step(self._sighting)
         return self._state
@@ -99,7 +102,8 @@ class Simulator:
     def arm(self) -> ArmPose:
         """Where the whole arm truly is, in the world."""
         if self._arm is None:
-            self._arm = self._kinematics.forward(self._state.q, self._state.base)
+            base = None if self._at_origin else self._state.base
+            self._arm = self._kinematics.forward(self._state.q, base)
         return self._arm
 
     def hand(self) -> Hand:
@@ -118,6 +122,13 @@ class Simulator:
     def _sighting(self) -> Sighting:
         arm = self.arm()
         return Sighting(arm.tip, quaternion(arm.rotation))
+
+
+def _final(state: State) -> State:
+    """The same state; from now on nobody can write to its arrays."""
+    for array in state[1:]:
+        array.flags.writeable = False
+    return state
 
 
 def _check_ranges(robot: Robot, q: Array) -> None:
