@@ -113,10 +113,17 @@ class Deployment:
             ]
         return (*first, *copies)
 
+    def check_share(self, host: str) -> None:
+        """Raise `ConfigError` if nothing of this runs on that host."""
+        busy = dict.fromkeys(one.host for one in self.crew)
+        if host not in busy:
+            raise ConfigError(f"nothing runs on a host {host!r}{valid_are(host, busy)}")
+
     @property
     def mesh(self) -> Mesh:
         """Where its processes find each other."""
-        return Mesh(self.port, tuple(self.hosts[self.host_of(role)].address for role in self.roles))
+        homes = tuple(self.hosts[self.host_of(role)].address for role in self.roles)
+        return Mesh(self.port, homes, tuple(host.address for host in self.hosts.values()))
 
     def credentials(self, name: str) -> Credentials | None:
         """Return what a role, or an operator, shows the others; None where nobody asks for it.

@@ -5,10 +5,14 @@ import signal
 from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 from runtime.config.deployment import Member
+from runtime.launching.local import logged, obeyed_in
 from runtime.launching.starting import Child, Task, start, start_all
+
+LOST = 255
+"""Stands for the exit code of a process whose host is out of reach."""
 
 
 class Ended(NamedTuple):
@@ -26,11 +30,50 @@ class Ended(NamedTuple):
     @property
     def how(self) -> str:
         """What became of it, for people."""
+        if self.code == LOST:
+            return f"is out of reach: {self.said}"
         if self.code < 0:
             with suppress(ValueError):
                 return f"was killed by {signal.Signals(-self.code).name}"
             return f"was killed by signal {-self.code}"
         return "ended" if self.code == 0 else f"ended with code {self.code}: {self.said}"
+
+
+def send(pid: int, number: signal.Signals) -> None:
+    """Send a signal to a process of this machine, if it is still there."""
+    with suppress(ProcessLookupError):
+        os.kill(pid, number)
+
+
+class Crew(Protocol):
+    """The processes that were started for a run, here or elsewhere."""
+
+    def start(self, crew: Iterable[Member]) -> None:
+        """Start some processes, all at once."""
+
+    def revive(self, role: str, home: str) -> int:
+        """Start one more process for a role whose host is `home`, and return its id.
+
+        It is a copy if others have the role, or one that hangs; `RunError` if it cannot be.
+        """
+
+    def obeyed(self, role: str) -> list[int]:
+        """Return the id of a role's process, of copies that of the one obeyed; none if none is."""
+
+    def send(self, role: str, pid: int, number: signal.Signals) -> None:
+        """Send a signal to one of a role's processes."""
+
+    def signal(self, number: signal.Signals) -> None:
+        """Send a signal to all that live."""
+
+    def ended(self) -> list[Ended]:
+        """Return those that were found to have ended since this was last asked."""
+
+    def __len__(self) -> int:
+        """Return how many live."""
+
+    def tidy(self) -> None:
+        """Gather what they wrote, once all have ended."""
 
 
 class Children:
@@ -48,9 +91,10 @@ class Children:
         tasks = [Task(role, self.run, host if copy else None) for role, host, copy in crew]
         self._living += zip(tasks, start_all(tasks), strict=True)
 
-    def revive(self, role: str, copy: str | None = None) -> int:
-        """Start one more process for a role, or a copy on that host, and return its id."""
-        task = Task(role, self.run, copy)
+    def revive(self, role: str, home: str, *, copy: bool = False) -> int:
+        """Start one more process for a role, and return its id; see `Crew`."""
+        copy = copy or bool(logged(self.run, role))
+        task = Task(role, self.run, home if copy else None)
         child = start(task)
         self._living.append((task, child))
         return child.pid
@@ -58,6 +102,15 @@ class Children:
     def pids(self, role: str) -> list[int]:
         """Return the ids of a role's processes, the one that was started last at the end."""
         return [child.pid for task, child in self._living if task.role == role]
+
+    def obeyed(self, role: str) -> list[int]:
+        """Return the id of a role's process, of copies that of the one obeyed; none if none is."""
+        obeyed = obeyed_in(self.run, role)
+        return self.pids(role)[-1:] if obeyed is None else [obeyed]
+
+    def send(self, role: str, pid: int, number: signal.Signals) -> None:
+        """Send a signal to one of a role's processes, if it is still there."""
+        send(pid, number)
 
     def signal(self, number: signal.Signals) -> None:
         """Send a signal to all that live: by their ids, which are theirs until `ended` says so."""
@@ -77,7 +130,7 @@ class Children:
     def __len__(self) -> int:
         return len(self._living)
 
-    def drop_empty_outputs(self) -> None:
+    def tidy(self) -> None:
         """Remove the files of those who said nothing."""
         for path in self.run.glob("*.out"):
             if path.stat().st_size == 0:

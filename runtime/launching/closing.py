@@ -1,5 +1,6 @@
 """What is done once a run is over: judge it, write the summary, draw the picture."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from runtime.config.deployment import Deployment
@@ -11,8 +12,12 @@ from runtime.launching.verdict import judge
 PICTURE = "path.png"
 
 
-def close(deployment: Deployment, run: Path, course: Course) -> tuple[Summary, str]:
+def close(
+    deployment: Deployment, run: Path, course: Course, again: Sequence[str] = ()
+) -> tuple[Summary, str]:
     """Leave `summary.json` and a picture in the run's folder.
+
+    again: the options with which `msma launch` repeats the run
 
     Returns: the summary, and a line about the picture.
     """
@@ -21,7 +26,7 @@ def close(deployment: Deployment, run: Path, course: Course) -> tuple[Summary, s
     except RecordError:
         record = None
     verdict = None if record is None else judge(record, deployment)
-    summary = summarise(deployment, run, course, record, verdict)
+    summary = summarise(deployment, run, course, record, verdict, again)
     write(summary)
     return summary, "" if record is None else _draw(record, deployment, summary)
 

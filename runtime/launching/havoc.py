@@ -4,14 +4,14 @@ import os
 import signal
 import subprocess
 from collections.abc import Callable
-from contextlib import suppress
 from typing import Protocol
 
 from runtime.config.chaos import LAUNCHER, WATCHER, ChaosEvent
 from runtime.config.deployment import Deployment
 from runtime.config.tree import ConfigError
-from runtime.launching.children import Children
-from runtime.launching.local import logged, obeyed_in, watchers
+from runtime.launching.children import Crew, send
+from runtime.launching.failures import RunError
+from runtime.launching.local import watchers
 from runtime.launching.schedule import Due
 from runtime.launching.watcher import Watcher
 from runtime.processes.journal import Journal
@@ -39,12 +39,6 @@ def check_means(deployment: Deployment, network: Network | None) -> None:
             )
 
 
-def send(pid: int, number: signal.Signals) -> None:
-    """Send a signal to a process, if it is still there."""
-    with suppress(ProcessLookupError):
-        os.kill(pid, number)
-
-
 class Havoc:
     """Carries out what a schedule says is due.
 
@@ -57,7 +51,7 @@ class Havoc:
     def __init__(
         self,
         deployment: Deployment,
-        children: Children,
+        children: Crew,
         watcher: Watcher,
         journal: Journal,
         *,
@@ -98,8 +92,7 @@ class Havoc:
             self._happened(f"{role} is not there to be killed")
             return
         self._note("kill", role, pids=pids)
-        for pid in pids:
-            send(pid, signal.SIGKILL)
+        self._send(role, pids, signal.SIGKILL)
 
     def _hang(self, event: ChaosEvent, role: str) -> None:
         pids = self._pids(role)
@@ -114,24 +107,31 @@ class Havoc:
             subprocess.Popen(["sh", "-c", waking], start_new_session=True)
         else:
             self.hung[event] = pids
-        for pid in pids:
-            send(pid, signal.SIGSTOP)
+        self._send(role, pids, signal.SIGSTOP)
 
     def _revive(self, role: str) -> None:
-        beside = logged(self._children.run, role)  # copies, or one that hangs, have their places
-        copy = self._deployment.host_of(role) if beside else None
-        pid = self._children.revive(role, copy)
-        self._note("revive", role, pids=[pid])
-        self._show(f"{role} is started again")
+        try:
+            pid = self._children.revive(role, self._deployment.host_of(role))
+        except RunError as error:
+            self._happened(f"{role} cannot be started again: {error}")
+        else:
+            self._note("revive", role, pids=[pid])
+            self._show(f"{role} is started again")
 
     def _resume(self, event: ChaosEvent) -> None:
         pids = self.hung.pop(event, [])
         if not pids:
             return
         self._note("wake", event.target, pids=pids)
-        for pid in pids:
-            send(pid, signal.SIGCONT)
+        self._send(event.target, pids, signal.SIGCONT)
         self._happened(f"{event.target} goes on")
+
+    def _send(self, role: str, pids: list[int], number: signal.Signals) -> None:
+        for pid in pids:
+            if role in (LAUNCHER, WATCHER):
+                send(pid, number)
+            else:
+                self._children.send(role, pid, number)
 
     def _note(self, action: str, target: str, **more: object) -> None:
         """Log what is about to be done, at once: who does it may be the next to go."""
@@ -145,8 +145,7 @@ class Havoc:
             return [] if self._bequeath is None else [os.getpid()]
         if role == WATCHER:
             return watchers(self._deployment.robot)
-        obeyed = obeyed_in(self._children.run, role)
-        return self._children.pids(role)[-1:] if obeyed is None else [obeyed]
+        return self._children.obeyed(role)
 
     def _stop(self, role: str) -> None:
         heard = self._watcher.stop(role, _ANSWER)

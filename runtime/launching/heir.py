@@ -10,8 +10,8 @@ import time
 from pathlib import Path
 
 from runtime.config.deployment import Deployment, load
-from runtime.launching.children import Children
-from runtime.launching.havoc import Havoc, send
+from runtime.launching.children import Children, send
+from runtime.launching.havoc import Havoc
 from runtime.launching.record import read_log
 from runtime.launching.saying import say
 from runtime.launching.schedule import Schedule

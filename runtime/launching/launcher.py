@@ -9,8 +9,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
+from runtime.config.chaos import ChaosEvent
 from runtime.config.deployment import Deployment
-from runtime.launching.children import Children, Ended
+from runtime.launching.children import Children, Crew, Ended
 from runtime.launching.failures import RunError
 from runtime.launching.havoc import Havoc, Network, check_means
 from runtime.launching.heir import bequeath
@@ -21,6 +22,7 @@ from runtime.processes.ending import Ending
 from runtime.processes.journal import Journal, new_run_folder
 from runtime.processes.life import Life
 from runtime.wire.bus import Bus
+from runtime.wire.keys import PLANT
 from runtime.wire.security import OPERATOR
 
 if TYPE_CHECKING:
@@ -76,6 +78,8 @@ class Launcher:
 
     make_screen: called once the processes are started, for what it imports takes time
     network: what carries out chaos between hosts, None if nothing can
+    crew: what starts and ends processes, by default on this machine
+    host: whose share it starts, by default all: the rest is somebody else's
     """
 
     def __init__(
@@ -84,16 +88,20 @@ class Launcher:
         run: Path,
         make_screen: "Callable[[], Screen]",
         network: Network | None = None,
+        crew: Crew | None = None,
+        host: str | None = None,
     ) -> None:
         self._deployment = deployment
+        self._members = [one for one in deployment.crew if host in (None, one.host)]
+        self._roles = {one.role for one in self._members}
         self._make_screen, self._network = make_screen, network
         self._ending = Ending()
-        self._run = str(run)
-        self._children = Children(run)
+        self._run = run
+        self._children = Children(run) if crew is None else crew
         self._journal = Journal(run, "launcher")
-        self._schedule = Schedule(deployment.chaos)
+        self._schedule = Schedule(filter(self._is_ours, deployment.chaos))
         self._happenings: list[Happening] = []
-        self._starting = set(deployment.roles)
+        self._starting = set(self._roles)
         self._there: dict[int, str] = {}  # the role of each incarnation that is seen alive
 
     def go(self) -> Course:
@@ -103,7 +111,7 @@ class Launcher:
         """
         self._ending.catch_signals()
         try:
-            self._children.start(self._deployment.crew)
+            self._children.start(self._members)
             with self._visit() as bus:
                 self._watcher = Watcher(bus)
                 self._screen = self._make_screen()
@@ -115,10 +123,16 @@ class Launcher:
         finally:
             self._end(Escalation(time.monotonic(), FORCE))
             self._journal.close()
-            self._children.drop_empty_outputs()
+            self._children.tidy()
         return Course(
             self._ending.code, self._ending.reason or "", self._view, tuple(self._happenings)
         )
+
+    def _is_ours(self, event: ChaosEvent) -> bool:
+        """Tell whether it is this launcher that carries out an event, and not another host's."""
+        if event.role in self._deployment.roles:
+            return event.role in self._roles
+        return PLANT in self._roles
 
     def _visit(self) -> Bus:
         deployment = self._deployment
@@ -142,7 +156,7 @@ class Launcher:
             self._journal,
             show=lambda text: self._screen.happened(self._view.t, text),
             happened=self._happened,
-            bequeath=lambda t: bequeath(Path(self._run), t),
+            bequeath=lambda t: bequeath(self._run, t),
             network=self._network,
         )
         while self._children and not self._ending.wait(_TURN):
@@ -151,7 +165,9 @@ class Launcher:
             if self._view.t != before:
                 life.plant_heard(self._view.t, now)
             self._starting -= {
-                row.role for row in self._view.rows if row.diag and row.diag.run == self._run
+                row.role
+                for row in self._view.rows
+                if row.diag and Path(row.diag.run).name == self._run.name
             }
             self._note_gone()
             for ended in self._children.ended():
@@ -183,7 +199,8 @@ class Launcher:
     def _finish(self) -> None:
         """Give the processes time to end by themselves, unless interrupted, and then end them."""
         interrupted = self._ending.reason is not None
-        means = FORCE if self._starting else ALL_MEANS  # others may have the name, and run
+        alone = not self._starting and len(self._members) == len(self._deployment.crew)
+        means = ALL_MEANS if alone else FORCE  # others may have the name, and run
         began = time.monotonic() + (0.0 if interrupted else _AMPLE)
         for ended in self._end(Escalation(began, means)):
             if ended.code:

@@ -3,7 +3,7 @@
 import json
 import math
 import shlex
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -105,8 +105,12 @@ def summarise(
     course: Course,
     record: Record | None,
     verdict: Verdict | None,
+    again: Sequence[str] = (),
 ) -> Summary:
-    """Put together how the run in the folder `run` went."""
+    """Put together how the run in the folder `run` went.
+
+    again: the options with which `msma launch` repeats it
+    """
     code, headline = _outcome(deployment, course, record, verdict)
     return Summary(
         robot=deployment.robot,
@@ -117,7 +121,7 @@ def summarise(
         happenings=tuple(sorted([*course.happenings, *_logged(deployment, run, record)])),
         processes=tuple(_processes(deployment, run, course)),
         run=run,
-        again=shlex.join(["msma", "launch", str(run / "deployment.yaml")]),
+        again=shlex.join(["msma", "launch", str(run / "deployment.yaml"), *again]),
     )
 
 

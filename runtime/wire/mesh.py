@@ -38,15 +38,17 @@ class Mesh(NamedTuple):
 
     base: the first of the robot's ports, which are the same on every host
     homes: the address of each role's host, in the order of their slots
+    hosts: the addresses of all hosts, on which copies may be
     """
 
     base: int
     homes: tuple[str, ...]
+    hosts: tuple[str, ...]
 
     @property
     def addresses(self) -> tuple[str, ...]:
         """The addresses of all hosts."""
-        return tuple(dict.fromkeys(self.homes))
+        return tuple(dict.fromkeys(self.hosts))
 
     def seat(self, slot: int) -> Place:
         """Return the place of a role's process."""
@@ -86,4 +88,4 @@ class Mesh(NamedTuple):
 
 def on_loopback(base: int, roles: int = FIRST_COPY) -> Mesh:
     """Return the mesh of a robot that is all on this machine, with up to so many roles."""
-    return Mesh(base, (LOOPBACK,) * roles)
+    return Mesh(base, (LOOPBACK,) * roles, (LOOPBACK,))

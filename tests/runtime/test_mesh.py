@@ -8,6 +8,7 @@ from runtime.wire.ports import FIRST_COPY, SLOTS, port_base
 BASE = 9000
 ROBOT, ARM, BACK = "10.0.0.1", "10.0.0.2", "fd00::3"
 HOMES = (ROBOT, BACK, ARM, ARM, ARM, BACK)
+HOSTS = (ROBOT, ARM, BACK)
 COPIES = ((FIRST_COPY, ROBOT), (FIRST_COPY, ARM), (FIRST_COPY + 1, ARM), (FIRST_COPY + 2, BACK))
 
 
@@ -19,7 +20,7 @@ def places(mesh: Mesh) -> list[Place]:
 
 @pytest.mark.parametrize(
     ("one", "other"),
-    list(combinations(places(Mesh(BASE, HOMES)), 2)),
+    list(combinations(places(Mesh(BASE, HOMES, HOSTS)), 2)),
     ids=lambda place: str(place.listen),
 )
 def test_of_every_two_processes_one_dials_the_other_wherever_they_are(
@@ -29,21 +30,21 @@ def test_of_every_two_processes_one_dials_the_other_wherever_they_are(
 
 
 def test_a_process_listens_at_its_host_s_address() -> None:
-    mesh = Mesh(BASE, HOMES)
+    mesh = Mesh(BASE, HOMES, HOSTS)
     assert [mesh.seat(slot).listen.host for slot in range(len(HOMES))] == list(HOMES)
     assert str(mesh.seat(1).listen) == f"[fd00::3]:{BASE + 1}"
     assert mesh.copy_seat(FIRST_COPY, ARM).listen == Address(ARM, BASE + FIRST_COPY)
 
 
 def test_a_tool_dials_every_place_and_is_dialled_by_none() -> None:
-    mesh = Mesh(BASE, HOMES)
+    mesh = Mesh(BASE, HOMES, HOSTS)
     tool = mesh.visitor()
     assert tool.listen.port == 0
     assert {place.listen for place in places(mesh)} <= set(tool.dials)
 
 
 def test_a_process_knows_how_many_are_on_other_hosts() -> None:
-    mesh = Mesh(BASE, HOMES)
+    mesh = Mesh(BASE, HOMES, HOSTS)
     assert [mesh.seat(slot).elsewhere for slot in (0, 1, 2)] == [5, 4, 3]
     assert mesh.visitor().elsewhere == len(HOMES)
     assert on_loopback(BASE).visitor().elsewhere == 0
