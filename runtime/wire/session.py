@@ -7,11 +7,30 @@ only after a lease that a process was killed, and an answer takes twice as much 
 
 import json
 import os
+from typing import NamedTuple
 
 import zenoh
 
 from runtime.wire.mesh import Place
 from runtime.wire.security import Credentials, access_list, encryption
+
+
+class _Patience(NamedTuple):
+    """How long to wait for what [ms].
+
+    lease: silence after which a connection is given up
+    open, pause: to try to connect before trying anew, and to pause at most before that; a host
+        that is cut off does not refuse, so these say how soon it is found when it is back
+    """
+
+    lease: int
+    open: int
+    pause: int
+
+
+_AT_HOME = _Patience(lease=250, open=1000, pause=500)
+_ACROSS = _Patience(lease=600, open=500, pause=200)
+"""With other hosts a packet may be lost twice, which costs 0.4 s; to connect anew costs more."""
 
 
 def config(robot: str | None, place: Place, credentials: Credentials | None = None) -> zenoh.Config:
@@ -21,6 +40,7 @@ def config(robot: str | None, place: Place, credentials: Credentials | None = No
     credentials, everybody may do everything.
     """
     _provide_threads(place.elsewhere)
+    patience = _ACROSS if place.elsewhere else _AT_HOME
     protocol, encrypted, listed = "tcp", {}, {}
     if credentials is not None and robot is not None:
         protocol, encrypted = "tls", encryption(credentials)
@@ -35,7 +55,7 @@ def config(robot: str | None, place: Place, credentials: Credentials | None = No
                     "endpoints": [f"{protocol}/{address}" for address in place.dials],
                     "retry": {
                         "period_init_ms": 100,
-                        "period_max_ms": 500,
+                        "period_max_ms": patience.pause,
                         "period_increase_factor": 1.5,
                     },
                 },
@@ -46,10 +66,10 @@ def config(robot: str | None, place: Place, credentials: Credentials | None = No
                 },
                 "transport": {
                     "link": {
-                        "tx": {"lease": 250, "keep_alive": 4},  # [ms], keep-alives a lease
+                        "tx": {"lease": patience.lease, "keep_alive": 4},
                         **encrypted,
                     },
-                    "unicast": {"open_timeout": 1000, "accept_timeout": 1000},  # [ms]
+                    "unicast": {"open_timeout": patience.open, "accept_timeout": 1000},  # [ms]
                     "shared_memory": {"enabled": False},  # it leaks when a process is killed
                 },
                 **listed,

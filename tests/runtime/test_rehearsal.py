@@ -73,7 +73,7 @@ def test_hosts_that_are_cut_off_are_commanded_again_soon_after_they_are_back(
     finish(rehearse(robot, "--duration", "10s", "--partition", "arm@3:4s"))
     assert silences(robot, [PLATFORM]) == []
     ((last, again),) = silences(robot, ARM)
-    assert 3.0 < last < 3.6
+    assert 3.0 < last < 4.0
     assert 7.0 < again < 7.0 + SOON
     assert robot.summary["verdict"]["tracking"]["final"] < 0.003
     hosts = {process["role"]: process["host"] for process in robot.summary["processes"]}
@@ -102,7 +102,7 @@ def test_when_the_first_host_dies_the_others_go_on_and_newcomers_join(robot: Rob
     assert silences(robot, others) == []
     for motor, earliest in ((0, 2.0), (1, 4.0)):
         ((last, again),) = silences(robot, [motor])
-        assert earliest < last < earliest + 0.9
+        assert earliest < last < earliest + 1.5
         began = robot.log(joint_role(motor + 1), "start")[-1]["wall"]
         obeyed = next(tick for tick in robot.log("plant", "tick") if tick["t"] == again)["wall"]
         assert obeyed - began < SOON
