@@ -131,8 +131,9 @@ class _Share:
         self._say("brought")
         if self._own_folder:
             shutil.rmtree(self._run)
-            with suppress(OSError):  # others are in it
+            with suppress(OSError):  # others are in them
                 self._run.parent.rmdir()
+                self._run.parent.parent.rmdir()
         self.ended = True
 
     def _say(self, what: str, **more: object) -> None:

@@ -94,14 +94,15 @@ class Shares:
     """All processes of a run, wherever they are; stands for `Children`.
 
     hosts: what speaks for each host, on its standard input and output
-    away: whether the hosts have a folder of their own for the run: its name, else None
+    away: whether the hosts do not see the run's folder, and need one of their own
     """
 
     def __init__(
         self,
         run: Path,
         hosts: "Mapping[str, subprocess.Popen[bytes]]",
-        away: str | None,
+        *,
+        away: bool,
     ) -> None:
         self._run, self._away = run, away
         self._given_up = math.inf  # when those who do not answer count as lost
@@ -113,8 +114,10 @@ class Shares:
         """Start some processes, on all hosts at once; `RunError` if one cannot."""
         text = (self._run / "deployment.yaml").read_text(encoding="utf-8")
         for host in self._hosts.values():
-            run = self._away or str(self._run)
-            host.tell("begin", run=run, deployment=text if self._away else None)
+            if self._away:  # two hosts may be one machine
+                host.tell("begin", run=f"runs/{host.name}/{self._run.name}", deployment=text)
+            else:
+                host.tell("begin", run=str(self._run), deployment=None)
         for host in self._hosts.values():
             host.await_("began")
         shares: dict[str, list[Member]] = {}

@@ -52,7 +52,7 @@ def _rehearse(deployment: Deployment) -> int:
         deployment = stage.deployment
         folder = prepare(deployment, stage)
         stage.build(folder)
-        crew = Shares(folder, stage.hosts, away=None)
+        crew = Shares(folder, stage.hosts, away=False)
         course = Launcher(deployment, folder, _screen_of(deployment), stage, crew).go()
     return _close(deployment, folder, course, ["--rehearse"])
 
@@ -63,7 +63,7 @@ def _by_ssh(deployment: Deployment) -> int:
 
     folder = prepare(deployment)
     with connect(deployment, folder) as hosts:
-        crew = Shares(folder, hosts, away=f"runs/{folder.name}")
+        crew = Shares(folder, hosts, away=True)
         course = Launcher(deployment, folder, _screen_of(deployment), crew=crew).go()
     return _close(deployment, folder, course, ["--ssh"])
 

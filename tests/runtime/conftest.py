@@ -99,7 +99,7 @@ class Robot:
         self.name = _free_name()
         self.folder = folder / self.name
         self.folder.mkdir()
-        self._environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+        self.environment = {**os.environ, "PYTHONPATH": str(ROOT)}
         self._started: list[subprocess.Popen[str]] = []
         stack.callback(self._end)
 
@@ -108,7 +108,7 @@ class Robot:
         return subprocess.run(
             [sys.executable, "-m", "runtime.cli", *arguments],
             cwd=self.folder,
-            env=self._environment,
+            env=self.environment,
             capture_output=True,
             text=True,
             timeout=60,
@@ -128,7 +128,7 @@ class Robot:
         process = subprocess.Popen(
             [sys.executable, "-m", "runtime.cli", *arguments],
             cwd=self.folder,
-            env=self._environment,
+            env=self.environment,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
