@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, NamedTuple
 
@@ -12,6 +12,7 @@ from agents.agent import Agent
 from runtime.config.chaos import LAUNCHER, WATCHER, ChaosEvent
 from runtime.config.hosts import HostName, HostSpec, here_alone
 from runtime.config.kinds import Output, Pattern, Range, Scope
+from runtime.config.lots import RandomChaos
 from runtime.config.overrides import Override
 from runtime.config.reading import Derived, kind_of
 from runtime.config.security import SecuritySpec
@@ -57,6 +58,7 @@ class Deployment:
         goal: The path that the goal takes; without one, an operator moves it.
         agents: The agents, each with a process of its own.
         chaos: What goes wrong on the way.
+        random_chaos: What more goes wrong, at random; once drawn it is part of `chaos`.
     """
 
     robot: Name
@@ -77,12 +79,18 @@ class Deployment:
     goal: GoalSpec | None = None
     agents: tuple[AgentSpec, ...]
     chaos: tuple[ChaosEvent, ...] = ()
+    random_chaos: RandomChaos | None = None
 
     @property
     def roles(self) -> tuple[str, ...]:
         """All roles that have a process, in the order of their slots."""
         goal = () if self.goal is None else ("goal",)
         return ("plant", *goal, *(agent.role for agent in self.agents))
+
+    @property
+    def victims(self) -> tuple[str, ...]:
+        """All processes that chaos may hit without hitting the robot itself."""
+        return (*self.roles[1:], LAUNCHER, WATCHER)
 
     def slot(self, role: str) -> int:
         """Return the role's place among the robot's ports, or raise `ConfigError`."""
@@ -162,16 +170,29 @@ class Deployment:
             raise node.find("agents").error(what)
         for index, event in enumerate(self.chaos):
             self._check_target(event, node.find("chaos", index, event.action))
+        for index, role in enumerate(self.random_chaos.roles if self.random_chaos else ()):
+            self._check_role(role, self.victims, node.find("random_chaos", "roles", index))
 
     def _check_target(self, event: ChaosEvent, node: Node) -> None:
         """Refuse chaos for who is not there."""
         roles = (*self.roles, LAUNCHER, WATCHER) if event.kill or event.hang else self.roles
-        if event.role is not None and event.role not in roles:
-            raise node.error(f"nothing runs as {event.role!r}{valid_are(event.role, roles)}")
+        if event.role is not None:
+            self._check_role(event.role, roles, node)
         for index, host in enumerate(event.hosts):
             if host not in self.hosts:
                 hint = valid_are(host, self.hosts)
                 raise node.find(index).error(f"there is no host {host!r}{hint}")
+
+    def _check_role(self, role: str, valid: tuple[str, ...], node: Node) -> None:
+        if role not in valid:
+            raise node.error(f"nothing runs as {role!r}{valid_are(role, valid)}")
+
+    def drawn(self) -> "Deployment":
+        """Return it with the random chaos drawn, as a part of the rest."""
+        if self.random_chaos is None or self.duration is None:
+            return self
+        events = self.random_chaos.draw(self.victims, self.duration)
+        return replace(self, chaos=(*self.chaos, *events), random_chaos=None)
 
     def dump(self) -> str:
         """Return it as YAML that loads to an equal one from anywhere, with every default."""
@@ -198,4 +219,4 @@ def load(
     deployment: Deployment = kind_of(Deployment).read(root, scope)
     if only_role is not None:
         deployment.slot(only_role)
-    return deployment
+    return deployment.drawn()

@@ -62,6 +62,12 @@ def add_deployment_options(parser: argparse.ArgumentParser) -> None:
         )
 
 
+def given(args: argparse.Namespace) -> list[str]:
+    """Return the options as they were given, but for the seed."""
+    words = (make.args for make in args.overrides or ())
+    return [word for option, text in words if option != "--seed" for word in (option, text)]
+
+
 def load_from(args: argparse.Namespace, only_role: str | None = None) -> Deployment:
     """Load the deployment that the command line asks for; later options win."""
     return load(args.file, [make() for make in args.overrides or ()], only_role)

@@ -21,6 +21,14 @@ def close(
 
     Returns: the summary, and a line about the picture.
     """
+    summary, record = conclude(deployment, run, course, again)
+    return summary, "" if record is None else _draw(record, deployment, summary)
+
+
+def conclude(
+    deployment: Deployment, run: Path, course: Course, again: Sequence[str] = ()
+) -> tuple[Summary, Record | None]:
+    """Leave `summary.json` in the run's folder; return the summary and what it is made from."""
     try:
         record = read_record(run)
     except RecordError:
@@ -28,7 +36,7 @@ def close(
     verdict = None if record is None else judge(record, deployment)
     summary = summarise(deployment, run, course, record, verdict, again)
     write(summary)
-    return summary, "" if record is None else _draw(record, deployment, summary)
+    return summary, record
 
 
 def _draw(record: Record, deployment: Deployment, summary: Summary) -> str:

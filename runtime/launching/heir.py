@@ -3,6 +3,7 @@
 Run as `python -m runtime.launching.heir RUN T`: what is due after plant time T [s].
 """
 
+import os
 import secrets
 import signal
 import sys
@@ -37,6 +38,8 @@ def inherit(run: Path, t: float) -> None:
     schedule = Schedule(deployment.chaos)
     begun = {due.event for due in schedule.due(t) if not due.over}
     journal = Journal(run, "heir")
+    journal.write(t, "start", role="heir", pid=os.getpid())
+    journal.flush()
     place, credentials = deployment.mesh.visitor(), deployment.credentials(OPERATOR)
     with Bus(deployment.robot, "heir", place, secrets.randbits(63), credentials) as bus:
         watcher = Watcher(bus)

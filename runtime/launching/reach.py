@@ -1,4 +1,6 @@
-"""How near an arm can come to a place when its platform stands still."""
+"""How near an arm can come to a place, by geometry alone: whoever moves it, however long."""
+
+from collections.abc import Collection
 
 import numpy as np
 
@@ -10,23 +12,40 @@ _STARTS = 64
 _SWEEPS = 60
 
 
-def nearest(robot: Robot, goal: Array, base: Array, q: Array) -> float:
+def nearest(
+    robot: Robot,
+    goal: Array,
+    base: Array,
+    q: Array,
+    *,
+    stuck: Collection[int] = (),
+    roams: bool = False,
+) -> float:
     """Return the least distance [m] of the hand to `goal` (3,) [m] in the world that was found.
 
     Each joint in turn comes as near as it alone can, over and over, from `q` (n,) [rad] and from
     many random postures. `base` is (3,): x, y [m] and heading [rad], where the platform stays.
+
+    stuck: joints (from 0) that stay as they are in q
+    roams: whether the platform may go anywhere instead of staying
     """
     kinematics = Kinematics(robot)
     rng = np.random.default_rng(0)
     lower, upper = np.maximum(robot.lower, -np.pi), np.minimum(robot.upper, np.pi)
     postures = np.vstack([q, rng.uniform(lower, upper, (_STARTS - 1, robot.n))])
+    postures[:, list(stuck)] = q[list(stuck)]
+    base = np.tile(base, (_STARTS, 1))
     for _ in range(_SWEEPS):
-        for joint in range(robot.n):
+        if roams:
+            base[:, :2] += (goal - kinematics.forward(postures, base).tip)[:, :2]
+        for joint in set(range(robot.n)) - set(stuck):
             pose = kinematics.forward(postures, base)
             axis, point = pose.axes[:, joint], pose.points[:, joint]
             turn = _turn(axis, pose.tip - point, goal - point)
             moved = postures[:, joint] + turn
             postures[:, joint] = np.clip(moved, robot.lower[joint], robot.upper[joint])
+    if roams:
+        base[:, :2] += (goal - kinematics.forward(postures, base).tip)[:, :2]
     misses = np.linalg.norm(kinematics.forward(postures, base).tip - goal, axis=-1)
     return float(misses.min())
 

@@ -1,0 +1,70 @@
+"""Plant aside, every process is killed and hung in its turn: no one of them is needed by more."""
+
+import signal
+
+import numpy as np
+import pytest
+
+from runtime.config.deployment import load
+from runtime.launching.record import read_record
+from runtime.launching.verdict import errors
+from tests.runtime.conftest import ROOT, Robot, wait_for
+
+ROLES = ("goal", *(f"joint/{number}" for number in range(1, 7)), "platform")
+
+
+@pytest.fixture(autouse=True)
+def _time_for_a_run(request: pytest.FixtureRequest) -> None:
+    request.node.add_marker(pytest.mark.timeout(90))
+
+
+def deeds(robot: Robot, *actions: str) -> list[tuple[str, str]]:
+    """What was done, by whom it was done to."""
+    lines = robot.log("launcher", "chaos") + robot.log("heir", "chaos")
+    return [(line["action"], line["target"]) for line in lines if line["action"] in actions]
+
+
+def final_error(robot: Robot) -> float:
+    path = load(ROOT / "deploy" / "arph.yaml").goal
+    assert path is not None
+    return float(errors(read_record(robot.run_folder), path.build())[-1])
+
+
+def test_each_is_hung_once_and_the_hand_gets_there(robot: Robot) -> None:
+    victims = ("launcher", "watcher", *ROLES)
+    hangs = [f"--hang={role}@{3 + 1.4 * i:g}:1s" for i, role in enumerate(victims)]
+    launcher = robot.launch("--speed", "3", *hangs)
+    robot.until(0.3)
+    watching = robot.start("status", "--watch", "--robot", robot.name)
+    out, err = launcher.communicate(timeout=60)
+    assert launcher.returncode == 0, out + err
+    assert deeds(robot, "hang") == [("hang", role) for role in victims]
+    assert watching.poll() is None
+    assert robot.processes().keys() == set()
+
+
+def test_each_is_killed_once_the_launcher_first_and_the_hand_gets_there(robot: Robot) -> None:
+    options = ["--kill=launcher@1", "--kill=watcher@5"]
+    for index, role in enumerate(ROLES):
+        at = 5.5 + 1.2 * index
+        options += [f"--kill={role}@{at:g}", f"--revive={role}@{at + 0.5:g}"]
+    launcher = robot.launch("--speed", "2", *options)
+    robot.until(0.3)
+    watching = robot.start("status", "--watch", "--robot", robot.name)
+    assert launcher.wait(timeout=30) == -signal.SIGKILL
+    assert watching.wait(timeout=30) == -signal.SIGKILL
+    wait_for(lambda: not robot.processes(), "all to end by themselves", timeout=60.0)
+    assert deeds(robot, "kill") == [("kill", role) for role in ("launcher", "watcher", *ROLES)]
+    for role in ROLES:
+        assert len(robot.log(role, "start")) == 2
+        assert robot.log(role, "end")[0]["reason"] == "the run is over"
+    record = read_record(robot.run_folder)
+    assert record.t[-1] == pytest.approx(24.0)
+    assert final_error(robot) < 0.003
+    assert not np.isnan(record.age[-1]).any(), "every motor is told what to do again"
+
+
+def test_who_hangs_to_the_end_is_ended_by_the_launcher_s_heir(robot: Robot) -> None:
+    robot.run("--speed", "3", "--duration", "6s", "--hang", "joint/5@1", "--kill", "launcher@2")
+    wait_for(lambda: not robot.processes(), "all to end", timeout=30.0)
+    assert robot.log("joint/5", "end") == []

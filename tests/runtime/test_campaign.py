@@ -1,0 +1,93 @@
+"""Campaigns of real processes: ten runs, what is left of them, and mistakes on the way."""
+
+import json
+import shlex
+import signal
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.runtime.conftest import ROOT, Robot, wait_for
+
+FILE = str(ROOT / "deploy" / "arph.yaml")
+SHORT = ("--speed", "3", "--duration", "9s")
+
+
+def report(robot: Robot) -> tuple[Path, dict[str, Any]]:
+    (folder,) = (robot.folder / "runs").iterdir()
+    return folder, json.loads((folder / "chaos.json").read_text())
+
+
+@pytest.mark.timeout(240)
+def test_ten_runs_with_random_faults_of_any_process_all_reach_the_goal(robot: Robot) -> None:
+    campaign = robot.start(
+        "chaos", FILE, "--robot", robot.name, *SHORT, "--runs", "10", "--seed", "1"
+    )
+    out, err = campaign.communicate(timeout=220)
+    assert campaign.returncode == 0, out + err
+    assert "10 of 10 runs ended within 3.00 mm of the goal" in out
+    assert robot.processes() == {}
+    folder, said = report(robot)
+    assert said["reached"] == 10
+    assert all(1 <= len(trial["after"]["hits"]) <= 3 for trial in said["trials"])
+    assert said["interval"] == pytest.approx([0.722, 1.0], abs=0.001)
+    assert (folder / "chaos.md").read_text().startswith(f"# Chaos: {robot.name}, 10 runs")
+    assert {path.parent for path in folder.glob("*/plant.jsonl")} == {
+        Path(trial["run"]) for trial in said["trials"]
+    }
+
+
+LAME = """
+import sys
+from agents.platform import PlatformAgent
+
+class Lame(PlatformAgent):
+    def decide(self, percepts):
+        wanted = super().decide(percepts)
+        words = open("/proc/self/cmdline").read().replace("\\0", " ").split()
+        return 0 * wanted if "agent" in words else wanted
+"""
+
+
+def test_a_run_that_misses_is_told_with_what_repeats_it(robot: Robot, tmp_path: Path) -> None:
+    """An agent that does as well as any in a forecast, and stands still in a process."""
+    (tmp_path / "lame.py").write_text(LAME)
+    options = ["--robot", robot.name, *SHORT]
+    options += ["--set", f"modules={tmp_path}", "--set", "agents.platform.class=lame:Lame"]
+    done = robot.msma("chaos", FILE, *options, "--runs", "1", "--seed", "7")
+    assert done.returncode == 3, done.stdout + done.stderr
+    _, first = report(robot)
+    again = first["trials"][0]["again"]
+    assert again == shlex.join(["msma", "chaos", FILE, *options, "--runs", "1", "--seed", "7"])
+    assert again in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        (("--runs", "0"), "--runs 0: one at least is wanted"),
+        (("--set", "duration=null"), "give goal and duration"),
+        (("--kill", "platform@1"), "the goal is not in reach: the hand would end 1.0"),
+        (("--partition", "local@3:1s"), "cannot be broken from here"),
+    ],
+)
+def test_a_campaign_that_cannot_be_starts_nothing(
+    robot: Robot, options: tuple[str, ...], says: str
+) -> None:
+    done = robot.msma("chaos", FILE, "--robot", robot.name, *options)
+    assert done.returncode == 2
+    assert done.stderr.count("\n") == 1
+    assert says in done.stderr
+    assert not (robot.folder / "runs").exists()
+
+
+def test_an_interrupted_campaign_reports_what_was_done_and_leaves_no_process(robot: Robot) -> None:
+    campaign = robot.start("chaos", FILE, "--robot", robot.name, "--runs", "2")
+    wait_for(lambda: robot.processes(), "its first run")
+    wait_for(lambda: list(robot.folder.glob("runs/*/*/plant.jsonl")), "its plant")
+    campaign.send_signal(signal.SIGINT)
+    out, _ = campaign.communicate(timeout=40)
+    assert campaign.returncode == 130
+    assert "0 of 0 runs" in out
+    assert robot.processes() == {}
