@@ -1,7 +1,6 @@
 """Making certificates: an authority, and a key pair for each name, in a folder."""
 
 import ipaddress
-import os
 from collections.abc import Iterable, Sequence
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
@@ -13,6 +12,7 @@ from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
 from runtime.launching.failures import RunError
+from runtime.launching.key_files import write
 from runtime.wire.security import Credentials
 
 _SLACK = timedelta(days=1)  # by which the clocks of hosts may differ, or be late
@@ -21,8 +21,8 @@ _SLACK = timedelta(days=1)  # by which the clocks of hosts may differ, or be lat
 class Pair(NamedTuple):
     """A certificate and its private key, both as PEM."""
 
-    certificate: bytes
-    private_key: bytes
+    certificate: str
+    private_key: str
 
 
 class Authority:
@@ -71,7 +71,7 @@ class Authority:
             serialization.PrivateFormat.PKCS8,
             serialization.NoEncryption(),
         )
-        return Pair(_pem(builder.sign(self._key, hashes.SHA256())), private)
+        return Pair(_pem(builder.sign(self._key, hashes.SHA256())), private.decode())
 
     def _builder(
         self, name: x509.Name, key: ec.EllipticCurvePrivateKey, begin: datetime, end: datetime
@@ -110,8 +110,8 @@ def _address(text: str) -> x509.GeneralName:
         return x509.DNSName(text)
 
 
-def _pem(certificate: x509.Certificate) -> bytes:
-    return certificate.public_bytes(serialization.Encoding.PEM)
+def _pem(certificate: x509.Certificate) -> str:
+    return certificate.public_bytes(serialization.Encoding.PEM).decode()
 
 
 def write_keys(
@@ -122,20 +122,12 @@ def write_keys(
     Only their owner can read the folder, if it is made, and the private keys. Raises `RunError`
     if they cannot be written.
     """
-    pairs = {name: authority.issue(name, addresses) for name in names}
+    files = {Credentials(folder, "", ()).authority.name: authority.certificate}
+    for name in names:
+        pair, where = authority.issue(name, addresses), Credentials(folder, name, ())
+        files[where.certificate.name] = pair.certificate
+        files[where.private_key.name] = pair.private_key
     try:
-        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-        for name, pair in pairs.items():
-            files = Credentials(folder, name, ())
-            _write(files.certificate, pair.certificate, 0o644)
-            _write(files.private_key, pair.private_key, 0o600)
-        _write(Credentials(folder, "", ()).authority, authority.certificate, 0o644)
+        write(folder, files)
     except OSError as error:
         raise RunError(f"the keys cannot be written: {error}") from None
-
-
-def _write(file: Path, data: bytes, mode: int) -> None:
-    """Write a file that never can be read by more than `mode` says, in place of an old one."""
-    file.unlink(missing_ok=True)
-    with os.fdopen(os.open(file, os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode), "wb") as stream:
-        stream.write(data)

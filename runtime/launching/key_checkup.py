@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from runtime.config.deployment import Deployment
 from runtime.config.tree import ConfigError
 from runtime.launching.checkup import Finding, Grade
-from runtime.launching.trial import day, home, is_here, prove
-from runtime.wire.security import Credentials, names
+from runtime.launching.trial import day, is_here, needed, prove
+from runtime.wire.security import Credentials
 
 _SOON = 30 * 86400.0  # [s]
 _WHAT = "keys"
@@ -21,8 +21,8 @@ def keys(deployment: Deployment) -> Iterator[Finding]:
         return
     sound = True
     ends: list[float] = []
-    for name in names(deployment.roles):
-        if not is_here(home(deployment, name)):
+    for name, address in needed(deployment):
+        if not is_here(address):
             continue
         try:
             credentials = security.credentials(name, deployment.roles)
@@ -30,7 +30,7 @@ def keys(deployment: Deployment) -> Iterator[Finding]:
             yield Finding(Grade.BAD, _WHAT, str(error))
             return
         remedy = security.remedy(" --overwrite")
-        for finding in _of(credentials, home(deployment, name), ends, remedy):
+        for finding in _of(credentials, address, ends, remedy):
             sound = False
             yield finding
     if sound and ends:

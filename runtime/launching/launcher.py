@@ -58,13 +58,17 @@ class Course(NamedTuple):
     happenings: tuple[Happening, ...]
 
 
-def prepare(deployment: Deployment, network: Network | None = None) -> Path:
+def prepare(
+    deployment: Deployment, network: Network | None = None, host: str | None = None
+) -> Path:
     """Make the folder of a run, with the deployment as resolved in it, and return it.
+
+    `host` is whose share of it is run, by default all.
 
     Raises `ConfigError` for chaos that nothing here can carry out, and for keys that are not good.
     """
     check_means(deployment, network)
-    prove_all(deployment, deployment.roles)
+    prove_all(deployment, host)
     try:
         run = new_run_folder(deployment.runs, deployment.robot).absolute()
         (run / "deployment.yaml").write_text(deployment.dump(), encoding="utf-8")

@@ -20,6 +20,7 @@ from typing import Any
 from plant.errors import MsmaError
 from runtime.config.deployment import Member, load
 from runtime.launching.children import Children
+from runtime.launching.key_files import KEYS, write
 from runtime.launching.schedule import FORCE, Escalation
 
 _TURN = 0.02  # [s] between two looks at the processes
@@ -34,6 +35,13 @@ def serve(*, stays: bool) -> int:
         otherwise it ends then, and so do they
     """
     share = _Share()
+    try:
+        return _serve(share, stays)
+    finally:
+        share.forget_keys()
+
+
+def _serve(share: "_Share", stays: bool) -> int:
     signal.signal(signal.SIGHUP, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, lambda *_: share.end())
     waiting = b""
@@ -86,14 +94,25 @@ class _Share:
             time.sleep(_TURN)
         self.ended = True
 
-    def _begin(self, run: str, deployment: str | None) -> None:
-        """Take the run's folder; with a deployment make it, for it is nobody else's."""
+    def forget_keys(self) -> None:
+        """Remove the keys that came from elsewhere."""
+        if self._own_folder:
+            shutil.rmtree(self._run / KEYS, ignore_errors=True)
+
+    def _begin(
+        self, run: str, deployment: str | None = None, keys: Mapping[str, str] | None = None
+    ) -> None:
+        """Take the run's folder; with a deployment make it, for it is nobody else's.
+
+        keys: files for it that are gone as soon as nothing runs here any more
+        """
         self._run = Path(run).absolute()
         if deployment is not None:
             self._run.mkdir(parents=True)
             self._own_folder = True
             file = self._run / "deployment.yaml"
             file.write_text(deployment, encoding="utf-8")
+            self._take_keys(keys or {})
             load(file)
         self.processes = Children(self._run)
         self._say("began")
@@ -104,8 +123,13 @@ class _Share:
         roles = dict.fromkeys(role for role, _, _ in crew)
         self._say("started", pids=[(role, pid) for role in roles for pid in self._pids(role)])
 
-    def _revive(self, role: str, home: str, copy: bool) -> None:
+    def _take_keys(self, keys: Mapping[str, str]) -> None:
+        if keys:
+            write(self._run / KEYS, keys)
+
+    def _revive(self, role: str, home: str, copy: bool, keys: Mapping[str, str]) -> None:
         assert self.processes is not None
+        self._take_keys(keys)
         self._say("started", pids=[(role, self.processes.revive(role, home, copy=copy))])
 
     def _pids(self, role: str) -> list[int]:
@@ -124,6 +148,7 @@ class _Share:
         """Send what was written, and leave nothing."""
         assert self.processes is not None
         self.processes.tidy()
+        self.forget_keys()
         for path in sorted(self._run.iterdir()):
             with path.open("rb") as stream:
                 while data := stream.read(_CHUNK):

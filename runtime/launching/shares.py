@@ -13,9 +13,11 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from runtime.config.deployment import Member
+from runtime.config.deployment import Member, load
 from runtime.launching.children import LOST, Ended
 from runtime.launching.failures import RunError
+from runtime.launching.key_files import moved, of_roles
+from runtime.wire.keys import PLANT
 
 _PATIENCE = 20.0  # [s] for a host to answer at first
 _ANSWER = 2.0  # [s] for one to do as it is told later on
@@ -112,12 +114,12 @@ class Shares:
 
     def start(self, crew: Iterable[Member]) -> None:
         """Start some processes, on all hosts at once; `RunError` if one cannot."""
-        text = (self._run / "deployment.yaml").read_text(encoding="utf-8")
         for host in self._hosts.values():
             if self._away:  # two hosts may be one machine
-                host.tell("begin", run=f"runs/{host.name}/{self._run.name}", deployment=text)
+                run = f"runs/{host.name}/{self._run.name}"
+                host.tell("begin", run=run, **self._luggage(host.name))
             else:
-                host.tell("begin", run=str(self._run), deployment=None)
+                host.tell("begin", run=str(self._run))
         for host in self._hosts.values():
             host.await_("began")
         shares: dict[str, list[Member]] = {}
@@ -127,6 +129,18 @@ class Shares:
             self._hosts[name].tell("start", crew=share)
         for name in shares:
             self._hosts[name].await_("started")
+
+    def _luggage(self, host: str) -> dict[str, object]:
+        """Return what a host with a folder of its own needs in it: the deployment, and its keys."""
+        deployment = load(self._run / "deployment.yaml", only_role=PLANT)
+        roles = [one.role for one in deployment.crew if one.host == host]
+        text = (self._run / "deployment.yaml").read_text(encoding="utf-8")
+        keys = of_roles(deployment, roles)
+        return {"deployment": moved(text) if keys else text, "keys": keys}
+
+    def _keys(self, role: str) -> dict[str, str]:
+        """Return the keys of a role, for a host that may not have them."""
+        return of_roles(load(self._run / "deployment.yaml", only_role=PLANT), [role])
 
     def revive(self, role: str, home: str) -> int:
         """Start one more process for a role, and return its id on its host; see `Crew`.
@@ -144,7 +158,8 @@ class Shares:
             raise RunError("no host is left")
         host = self._hosts[living[0]]
         beside = living[0] != home or bool(self.obeyed(role))
-        host.tell("revive", role=role, home=living[0], copy=beside)
+        keys = self._keys(role) if self._away else {}
+        host.tell("revive", role=role, home=living[0], copy=beside, keys=keys)
         host.await_("started", timeout=_ANSWER)
         return host.pids[-1][1]
 

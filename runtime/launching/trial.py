@@ -4,7 +4,6 @@ import ipaddress
 import socket
 import ssl
 import time
-from collections.abc import Iterable
 from contextlib import suppress
 from typing import NamedTuple
 
@@ -128,24 +127,27 @@ def day(t: float) -> str:
     return time.strftime("%Y-%m-%d %H:%M", time.localtime(t))
 
 
-def prove_all(deployment: Deployment, roles: Iterable[str]) -> None:
-    """Raise `ConfigError` unless these roles and an operator can join, if they need keys for it."""
+def prove_all(deployment: Deployment, host: str | None = None) -> None:
+    """Raise `ConfigError` unless all processes of a host, or of all, and an operator can join.
+
+    That they can, if the deployment asks for no certificates.
+    """
     if deployment.security is None:
         return
-    for name in (*roles, OPERATOR):
+    for name, address in needed(deployment, host):
         credentials = deployment.security.credentials(name, deployment.roles)
         try:
-            prove(credentials, home(deployment, name), time.time())
+            prove(credentials, address, time.time())
         except ConfigError as error:
             said = f"{deployment.security.keys.file}: security.keys: {error}"
             raise ConfigError(f"{said}; `msma doctor --file` tells more") from None
 
 
-def home(deployment: Deployment, name: str) -> str:
-    """Return the address at which the process of a name is reached."""
-    if name == OPERATOR:
-        return LOOPBACK
-    return deployment.hosts[deployment.host_of(name)].address
+def needed(deployment: Deployment, host: str | None = None) -> list[tuple[str, str]]:
+    """Return the names whose keys a host, or all, needs, and at which addresses they are used."""
+    members = [one for one in deployment.crew if host in (None, one.host)]
+    there = [(one.role, deployment.hosts[one.host].address) for one in members]
+    return [*dict.fromkeys(there), (OPERATOR, LOOPBACK)]
 
 
 def is_here(address: str) -> bool:

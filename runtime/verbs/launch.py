@@ -39,7 +39,7 @@ def run(args: argparse.Namespace) -> int:
         return _by_ssh(deployment)
     if args.host is not None:
         deployment.check_share(args.host)
-    folder = prepare(deployment)
+    folder = prepare(deployment, host=args.host)
     course = Launcher(deployment, folder, _screen_of(deployment), host=args.host).go()
     return _close(deployment, folder, course, [] if args.host is None else ["--host", args.host])
 

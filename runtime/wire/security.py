@@ -44,6 +44,11 @@ class Credentials(NamedTuple):
         """The private key of its certificate."""
         return self.folder / f"{keys.file_name(self.name)}.key"
 
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """All that it needs to be there."""
+        return self.authority, self.certificate, self.private_key
+
 
 def names(roles: Sequence[str]) -> tuple[str, ...]:
     """Return all names that have rights on the bus of a robot with these roles."""

@@ -43,8 +43,8 @@ def replace(name: str, authority: Authority, issued_to: str = "", **more: dateti
     """Put another pair of keys in the place of a name's."""
     pair = authority.issue(issued_to or name, [LOOPBACK], **more)
     files = Credentials(Path("keys"), name, ())
-    files.certificate.write_bytes(pair.certificate)
-    files.private_key.write_bytes(pair.private_key)
+    files.certificate.write_text(pair.certificate)
+    files.private_key.write_text(pair.private_key)
 
 
 def found() -> str:

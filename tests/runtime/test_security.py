@@ -87,23 +87,27 @@ def members(house: House, plant: Bus) -> dict[str, Bus]:
 
 
 def arrivals(plant: Bus, members: dict[str, Bus], send: Callable[[str, Bus], None]) -> set[str]:
-    """Return what arrived at the plant as `KEY by NAME`, once the last word of each has."""
+    """Return what arrived at the plant as `KEY by NAME`, of what was sent by `send` over and over.
+
+    That goes on until everybody's word has come through several times after it.
+    """
     got: set[str] = set()
     with plant._session.declare_subscriber(
         "**", lambda sample: got.add(f"{sample.key_expr} by {sample.payload.to_string()}")
     ):
-        ends = {f"{key} by {name} end" for name in NAMES for key in sorted(PUTS[name])[:1]}
+        for number in range(4):
+            words = {f"{min(PUTS[name])} by {name} {number}" for name in NAMES}
 
-        def all_ended() -> bool:
-            for name, bus in members.items():
-                send(name, bus)
-                for key in sorted(PUTS.get(name, ()))[:1]:
-                    bus._session.put(key, f"{name} end")
-            time.sleep(0.05)
-            return ends <= got
+            def all_heard(number: int = number, words: set[str] = words) -> bool:
+                for name, bus in members.items():
+                    send(name, bus)
+                    if name in PUTS:
+                        bus._session.put(min(PUTS[name]), f"{name} {number}")
+                time.sleep(0.02)
+                return words <= got
 
-        wait_for(all_ended, "everybody's last word")
-    return {one for one in got if not one.endswith(" end")}
+            wait_for(all_heard, "everybody's word")
+    return {one for one in got if one.rpartition(" by ")[2] in members}
 
 
 def test_each_name_may_put_on_its_own_keys_and_on_no_other(

@@ -99,13 +99,13 @@ class Siege:
         self.out, self.err = launcher.communicate(timeout=60)
         self.code = launcher.returncode
 
-    def _with(self, name: str, pair: tuple[bytes, bytes]) -> Credentials:
+    def _with(self, name: str, pair: tuple[str, str]) -> Credentials:
         """Return credentials of joint/1 with that pair of keys, and the robot's authority."""
         folder = self._folder / name
         folder.mkdir()
         credentials = Credentials(folder, "joint/1", tuple(ROLES))
-        credentials.certificate.write_bytes(pair[0])
-        credentials.private_key.write_bytes(pair[1])
+        credentials.certificate.write_text(pair[0])
+        credentials.private_key.write_text(pair[1])
         credentials.authority.write_bytes((self.keys / "ca.pem").read_bytes())
         return credentials
 
@@ -120,7 +120,7 @@ class Siege:
         return self._stack.enter_context(bus)
 
     def _knock_without_a_certificate(self, authority: Authority) -> None:
-        context = ssl.create_default_context(cadata=authority.certificate.decode())
+        context = ssl.create_default_context(cadata=authority.certificate)
         for slot in range(len(ROLES)):
             address = (LOOPBACK, self._mesh.base + slot)
             with (
