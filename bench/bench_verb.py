@@ -6,6 +6,7 @@ import time
 from pathlib import Path
 
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from bench.bench import BenchError
@@ -88,14 +89,14 @@ def _print(report: Report, folder: Path) -> None:
     else:
         print("\r\x1b[K", end="", file=sys.stderr, flush=True)
     console.print(f"[bold]{report.bench.name}: {report.bench.title}[/bold]")
-    console.print(report.machine.text(), style="dim")
+    console.print(report.machine.text(), style="dim", markup=False)
     for found in tables(report.result):
-        table = Table(*found.head, title=found.title, title_justify="left")
+        table = Table(*map(escape, found.head), title=found.title, title_justify="left")
         for row in found.rows:
-            table.add_row(*row, style="bold" if row[-1] in ("MISSED", "NO") else None)
+            table.add_row(*map(escape, row), style="bold" if row[-1] in ("MISSED", "NO") else None)
         console.print(table)
     for note in report.result.notes:
-        console.print(f"- {note}", highlight=False)
+        console.print(f"- {note}", highlight=False, markup=False)
     files = ", ".join([f"{report.bench.name}.md", f"{report.bench.name}.json",
                        *(picture.name for picture in report.pictures)])  # fmt: skip
     console.print(f"{report.summary}; in {folder}: {files}", highlight=False)

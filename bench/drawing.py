@@ -19,3 +19,14 @@ def answer_times(curves: Mapping[str, Mapping[str, Sequence[float]]], file: Path
     panels[0].set(ylabel="share of the answers [%]")
     panels[0].legend(fontsize=7)
     return save(figure, file)
+
+
+def bars(values: Mapping[str, float], label: str, file: Path) -> Path:
+    """Draw named values as bars, one below the other."""
+    figure, (axis,) = sheet(7.0, 0.6 + 0.32 * len(values))
+    drawn = axis.barh(list(values), list(values.values()), color=COLOURS[0])
+    axis.bar_label(drawn, fmt="%.3g", padding=3, fontsize=8)
+    axis.invert_yaxis()
+    axis.margins(x=0.12)
+    axis.set(xlabel=label)
+    return save(figure, file)

@@ -6,6 +6,7 @@ from bench.bench import Bench, BenchError
 
 BENCHES = {
     "loop": "bench.loop:LoopBench",
+    "decide": "bench.decide:DecideBench",
 }
 """`module:Class` of each."""
 
