@@ -7,6 +7,7 @@ from bench.bench import Bench, BenchError
 BENCHES = {
     "loop": "bench.loop:LoopBench",
     "decide": "bench.decide:DecideBench",
+    "gap": "bench.gap:GapBench",
 }
 """`module:Class` of each."""
 

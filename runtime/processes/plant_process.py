@@ -9,7 +9,6 @@ import numpy as np
 from plant.errors import MsmaError
 from plant.faults import Fault
 from plant.simulator import Simulator
-from runtime.processes.agent_process import freshness
 from runtime.processes.answers import Answers
 from runtime.processes.ending import FAILED
 from runtime.processes.orders import EXPRESSIONS, Orders
@@ -19,6 +18,8 @@ from runtime.processes.telling import Teller, Truth
 from runtime.wire import keys
 from runtime.wire.fields import Spread
 
+_SILENT = 1.5  # periods without a word of an agent after which another in its role is obeyed, but
+_LATE = 0.02  # [s] of real time at least: so much may hold up anybody on a busy computer
 _FAREWELL = 0.5  # [s] for which the last state is told, so that everybody learns of the end
 
 
@@ -47,7 +48,7 @@ class PlantLoop(Loop):
         self._orders = Orders(
             robot,
             hold=deployment.plant.hold,
-            fresh=freshness(self._period, self._speed) * self._speed,
+            fresh=max(_SILENT * self._period, _LATE * self._speed),
             refusals=process.refusals,
             say=self._note_obeyed,
         )

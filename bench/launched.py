@@ -1,0 +1,82 @@
+"""A robot launched as a user launches it, and what its logs say of when things happened."""
+
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from bench.bench import BenchError
+from bench.echo.side import environment
+from runtime.launching.record import read_log
+from runtime.wire.keys import PLANT
+
+_SPARE = 15.0  # [s] that a run may take longer than it should
+_LOOK = 0.02  # [s] between two looks at a log
+_MAIN = "import sys; from runtime.cli import main; sys.exit(main(sys.argv[1:]))"
+
+
+class Launched:
+    """A launcher's process, and the run that it has made.
+
+    Attributes:
+        commanded: When it was started [s since 1970].
+    """
+
+    def __init__(self, folder: Path, words: Sequence[str]) -> None:
+        self._folder = folder
+        self.commanded = time.time()
+        with (folder / "said").open("ab") as said:
+            self.process = subprocess.Popen(
+                [sys.executable, "-c", _MAIN, "launch", *words],
+                cwd=folder,
+                env=environment(),
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,
+                stderr=said,
+            )
+
+    @property
+    def run(self) -> Path:
+        """The folder of the run; waits for it to be made."""
+        self._wait(lambda: any(self._folder.glob("runs/*/deployment.yaml")))
+        return next(self._folder.glob("runs/*/deployment.yaml")).parent
+
+    def log(self, role: str) -> list[dict[str, Any]]:
+        """Return what a role has logged by now."""
+        return read_log(self.run, role)
+
+    def until(self, role: str, event: str, count: int = 1, patience: float = _SPARE) -> None:
+        """Wait until a role has logged an event so many times."""
+        self._wait(
+            lambda: sum(line["event"] == event for line in self.log(role)) >= count, patience
+        )
+
+    def end(self, patience: float) -> None:
+        """Wait until the run is over, whatever has become of its launcher."""
+        self.process.wait(patience + _SPARE)
+        self.until(PLANT, "end", patience=patience)
+
+    def _wait(self, ready: Callable[[], bool], patience: float = _SPARE) -> None:
+        until = time.monotonic() + patience
+        while not ready():
+            if time.monotonic() > until:
+                said = (self._folder / "said").read_text(errors="replace").strip()
+                raise BenchError(f"the launch came to nothing: {said or 'it said nothing'}")
+            time.sleep(_LOOK)
+
+
+@contextmanager
+def launched(words: Sequence[str]) -> Iterator[Launched]:
+    """Launch with these words after `msma launch`; nothing is left of it afterwards."""
+    with tempfile.TemporaryDirectory(prefix="msma-bench-") as place:
+        found = Launched(Path(place), words)
+        try:
+            yield found
+        finally:
+            if found.process.poll() is None:
+                found.process.terminate()
+            found.process.wait()
