@@ -6,6 +6,7 @@ from bench.bench import Bench, BenchError
 
 BENCHES = {
     "loop": "bench.loop:LoopBench",
+    "start": "bench.start:StartBench",
     "decide": "bench.decide:DecideBench",
     "gap": "bench.gap:GapBench",
 }
