@@ -11,6 +11,7 @@ from typing import Any
 
 from bench.bench import BenchError
 from bench.echo.side import environment
+from bench.places import free_port
 from runtime.launching.record import read_log
 from runtime.wire.keys import PLANT
 
@@ -31,7 +32,7 @@ class Launched:
         self.commanded = time.time()
         with (folder / "said").open("ab") as said:
             self.process = subprocess.Popen(
-                [sys.executable, "-c", _MAIN, "launch", *words],
+                [sys.executable, "-c", _MAIN, "launch", *words, "--set", f"port={free_port()}"],
                 cwd=folder,
                 env=environment(),
                 stdin=subprocess.DEVNULL,

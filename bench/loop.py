@@ -10,8 +10,8 @@ from bench.echo.load import ROLES, Part, arguments
 from bench.echo.side import Measured, module
 from bench.echo.side import run as run_side
 from bench.ours import ARPH, deployed, run_ours
+from bench.places import free_port
 from bench.turns import in_turn, ratio
-from runtime.wire.ports import ALL_BASES
 from studies.study import Row, Watch
 
 RATES = {17: 6.0, 100: 5.0, 500: 12.0, 1000: 8.0, 2000: 4.0}
@@ -20,8 +20,6 @@ ROUNDS = 3
 OURS, PLAIN = "msma", "plain Zenoh"
 MOST_OFF = 0.006
 """Off the goal in a run that counts as done [m]: at 60 ms, twice what the paper says."""
-ECHO_PORT = ALL_BASES[-1] + 96
-"""Where nothing of ours listens: among the places for copies of the last robot."""
 
 Runs = Mapping[str, Sequence[Measured]]
 
@@ -100,9 +98,10 @@ class LoopBench(Bench):
 
 def run_plain(rate: float, seconds: float) -> Measured:
     """Let plain Zenoh echo, in as many processes as ours."""
+    port = free_port()
     return run_side(
         {
-            role: module("bench.echo.plain_zenoh", *arguments(Part(role, rate, seconds, ECHO_PORT)))
+            role: module("bench.echo.plain_zenoh", *arguments(Part(role, rate, seconds, port)))
             for role in ROLES
         },
         seconds,

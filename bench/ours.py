@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from bench.echo.side import Measured, module, run
+from bench.places import free_port
 from runtime.config.deployment import Deployment, load
 from runtime.config.overrides import Override
 from runtime.launching.record import read_record
@@ -29,9 +30,9 @@ class OurRun:
 
 
 def deployed(file: Path, *overrides: str) -> Deployment:
-    """Return a deployment with values replaced, each such as `period=1 ms`."""
+    """Return a deployment with values replaced, each such as `period=1 ms`, on free ports."""
     made = []
-    for text in overrides:
+    for text in (f"port={free_port()}", *overrides):
         path, _, value = text.partition("=")
         made.append(Override(f"--set {text}", path, value))
     return load(file, made)

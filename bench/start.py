@@ -4,6 +4,7 @@ import os
 import signal
 import time
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -15,7 +16,7 @@ from bench.launched import Launched, launched
 from bench.ours import ARPH, deployed
 from bench.reviving import PARTS
 from runtime.launching.record import read_log, read_record
-from runtime.launching.starting import Task, spawn, start
+from runtime.launching.starting import Child, Task, spawn, start
 from runtime.wire.keys import PLANT
 from studies.study import Row, Watch
 
@@ -117,7 +118,7 @@ def _revive(times: int) -> tuple[list[Times], list[Times]]:
     plain: list[Times] = []
     parts: list[Times] = []
     words = (str(ARPH), "--robot", "bench-revive", "--duration", f"{duration:g} s")
-    with launched(words) as run:
+    with launched(words) as run, ExitStack() as stack:
         run.until(PLANT, "obeys", len(deployed(ARPH).roles) - 2)
         for number in range(times):
             os.kill(_pid(run), signal.SIGKILL)
@@ -126,16 +127,25 @@ def _revive(times: int) -> tuple[list[Times], list[Times]]:
             task = Task(REVIVED, run.run)
             commanded = time.time()
             if number % 2:
-                spawn("bench.reviving", [str(task.file), REVIVED, str(run.run)], task.out)
+                these = [str(task.file), REVIVED, str(run.run)]
+                child = spawn("bench.reviving", these, task.out)
+                stack.callback(_end, child)
                 line = _next(_noted, run, noted)
             else:
-                start(task)
+                stack.callback(_end, start(task))
             took = _next(_obeyed, run, obeyed)["wall"] - commanded
             if number % 2:
                 parts.append(_parts(line, commanded, took))
             else:
                 plain.append({"until it is obeyed": took})
     return plain, parts
+
+
+def _end(child: Child) -> None:
+    if child.poll() is None:
+        os.kill(child.pid, signal.SIGKILL)
+    while child.poll() is None:
+        time.sleep(0.01)
 
 
 def _parts(noted: Mapping[str, float], commanded: float, obeyed: float) -> Times:

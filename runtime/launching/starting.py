@@ -12,6 +12,7 @@ import sys
 import traceback
 from collections.abc import Sequence
 from contextlib import suppress
+from importlib import import_module
 from pathlib import Path
 from typing import NamedTuple, Protocol
 
@@ -19,6 +20,14 @@ from setproctitle import setproctitle
 
 from runtime import cli
 from runtime.wire.keys import file_name
+
+_NEEDED = (
+    "runtime.verbs.agent",
+    "runtime.processes.plant_process",
+    "runtime.processes.goal_process",
+    "runtime.processes.agent_process",
+)
+"""What some process of a robot imports: so much need those not import that begin as copies."""
 
 _SOURCES = Path(__file__).parents[2]
 
@@ -112,6 +121,8 @@ def start_all(tasks: Sequence[Task]) -> list[Child]:
     """
     if not _is_single():
         return [start(task) for task in tasks]
+    for module in _NEEDED:
+        import_module(module)
     gc.freeze()  # so that collecting garbage does not make the copies' memory their own
     return [_fork(task) for task in tasks]
 

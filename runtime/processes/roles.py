@@ -1,13 +1,14 @@
-"""Which loop a role has, and its whole life in one call."""
+"""Which loop a role has, and its whole life in one call.
+
+A process imports only the loop of its own role: what it need not import is time in which a revived
+one acts already.
+"""
 
 import sys
 from pathlib import Path
 
 from plant.errors import MsmaError
 from runtime.config.deployment import Deployment, Member
-from runtime.processes.agent_process import AgentLoop
-from runtime.processes.goal_process import GoalLoop
-from runtime.processes.plant_process import PlantLoop
 from runtime.processes.process import Loop, Process
 from runtime.wire import keys
 
@@ -33,7 +34,13 @@ def live(deployment: Deployment, member: Member, file: Path, run: Path | None = 
 def _loop(process: Process) -> Loop:
     deployment, role = process.deployment, process.role
     if role == keys.PLANT:
+        from runtime.processes.plant_process import PlantLoop
+
         return PlantLoop(process)
     if role == keys.GOAL_SOURCE and deployment.goal is not None:
+        from runtime.processes.goal_process import GoalLoop
+
         return GoalLoop(process, deployment.goal.build())
+    from runtime.processes.agent_process import AgentLoop
+
     return AgentLoop(process, deployment.build_agent(role))

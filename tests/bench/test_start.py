@@ -1,6 +1,5 @@
 from pathlib import Path
 
-
 from bench.start import StartBench
 from studies.study import Watch
 
