@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from studies.drawing import COLOURS, DASHES, save, sheet
 
@@ -29,4 +30,19 @@ def bars(values: Mapping[str, float], label: str, file: Path) -> Path:
     axis.invert_yaxis()
     axis.margins(x=0.12)
     axis.set(xlabel=label)
+    return save(figure, file)
+
+
+def growth(sides: Mapping[str, Sequence[Mapping[str, Any]]], file: Path) -> Path:
+    """Draw how processors' time and answer times grow with the number of joints."""
+    figure, (left, right) = sheet(8.0, 3.4, 1, 2)
+    for (name, runs), colour, dash in zip(sides.items(), COLOURS, DASHES, strict=False):
+        joints = [run["joints"] for run in runs]
+        if any(run["cpu"] for run in runs):
+            left.plot(joints, [run["cpu"] for run in runs], dash, color=colour, marker="o")
+        times = [1e3 * run["p99"] for run in runs]
+        right.plot(joints, times, dash, color=colour, marker="o", label=name)
+    left.set(xlabel="joints", ylabel="all processes [cores]", xscale="log", yscale="log")
+    right.set(xlabel="joints", ylabel="answers, 99th percentile [ms]", xscale="log")
+    right.legend(fontsize=7)
     return save(figure, file)

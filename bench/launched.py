@@ -17,7 +17,8 @@ from runtime.wire.keys import PLANT
 
 _SPARE = 15.0  # [s] that a run may take longer than it should
 _LOOK = 0.02  # [s] between two looks at a log
-_MAIN = "import sys; from runtime.cli import main; sys.exit(main(sys.argv[1:]))"
+_MAIN = "import sys; {first}from runtime.cli import main; sys.exit(main(sys.argv[1:]))"
+_SPOKES = "from bench.spokes import use_spokes; use_spokes(); "
 
 
 class Launched:
@@ -27,12 +28,13 @@ class Launched:
         commanded: When it was started [s since 1970].
     """
 
-    def __init__(self, folder: Path, words: Sequence[str]) -> None:
+    def __init__(self, folder: Path, words: Sequence[str], *, spokes: bool) -> None:
         self._folder = folder
         self.commanded = time.time()
+        main = _MAIN.format(first=_SPOKES if spokes else "")
         with (folder / "said").open("ab") as said:
             self.process = subprocess.Popen(
-                [sys.executable, "-c", _MAIN, "launch", *words, "--set", f"port={free_port()}"],
+                [sys.executable, "-c", main, "launch", *words, "--set", f"port={free_port()}"],
                 cwd=folder,
                 env=environment(),
                 stdin=subprocess.DEVNULL,
@@ -71,10 +73,13 @@ class Launched:
 
 
 @contextmanager
-def launched(words: Sequence[str]) -> Iterator[Launched]:
-    """Launch with these words after `msma launch`; nothing is left of it afterwards."""
+def launched(words: Sequence[str], *, spokes: bool = False) -> Iterator[Launched]:
+    """Launch with these words after `msma launch`; nothing is left of it afterwards.
+
+    spokes: with links as in `bench.spokes` instead of those of a full mesh
+    """
     with tempfile.TemporaryDirectory(prefix="msma-bench-") as place:
-        found = Launched(Path(place), words)
+        found = Launched(Path(place), words, spokes=spokes)
         try:
             yield found
         finally:

@@ -7,6 +7,7 @@ from bench.bench import Bench, BenchError
 BENCHES = {
     "loop": "bench.loop:LoopBench",
     "start": "bench.start:StartBench",
+    "scale": "bench.scale:ScaleBench",
     "decide": "bench.decide:DecideBench",
     "gap": "bench.gap:GapBench",
 }

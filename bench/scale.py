@@ -1,0 +1,273 @@
+"""How the loop grows with the number of joints: 4 to 64 agents of a long planar arm."""
+
+import tempfile
+import time
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from pathlib import Path
+from statistics import median
+from typing import NamedTuple
+
+import numpy as np
+
+from bench.bench import Bench, BenchError, Check, Result, Table
+from bench.launched import Launched, launched
+from bench.ticks import quantile
+from bench.usage import Meter, Usage
+from runtime.config.deployment import load
+from runtime.launching.gaps import arrivals
+from runtime.launching.record import read_log, read_record
+from runtime.launching.verdict import errors
+from runtime.wire.keys import PLANT
+from studies.study import Row, Watch
+
+SIZES = (4, 8, 16, 32, 64)
+PERIOD, SECONDS = 0.06, 5.0
+"""Of the control loop, and how long each is measured [s]."""
+FULL, SPOKES, HOSTS = "full mesh", "plant and goal only", "full mesh, three hosts"
+HOSTS_UP_TO = 16
+"""Joints of the longest arm that is spread over three namespaced hosts: they share these cores."""
+BARRED = 32
+NEAR = 0.01
+"""Off its goal the hand of a run that counts as done [m]: a hundredth of the arm's length."""
+_PATIENCE = 40.0  # [s] for all to be obeyed
+_OTHERS = 2  # the plant and the goal source
+
+
+class Grown(NamedTuple):
+    """One arm, measured.
+
+    due, answered: ticks told, times agents, and those in whose period a new command came
+    p50, p99: from a state to a command of an agent [s]
+    cpu: all processes together, in cores; agent: the median agent's [share of a core]
+    pss: the largest process, and all together [bytes]; links: between all processes
+    off: the hand off its goal at the end [m]; ready: from the command to all obeyed [s]
+    """
+
+    joints: int
+    due: int
+    answered: int
+    p50: float
+    p99: float
+    cpu: float
+    agent: float
+    pss: tuple[int, int]
+    links: int
+    off: float
+    ready: float
+
+
+class ScaleBench(Bench):
+    """Answer times, processors, memory and links of longer and longer arms."""
+
+    name = "scale"
+    title = "From 4 to 64 agents of one arm"
+
+    def __init__(self, sizes: Sequence[int] = SIZES, *, hosts: bool = True) -> None:
+        """Grow through these numbers of joints; `hosts`: over three hosts as well."""
+        self._sizes, self._hosts = sizes, hosts
+
+    def measure(self, size: float, watch: Watch) -> Result:
+        """Measure every arm with a full mesh, then with spokes, then on three hosts."""
+        seconds = max(SECONDS * size, 1.0)
+        sides = [(side, n) for n in self._sizes for side in (FULL, SPOKES)]
+        if self._hosts:
+            sides += [(HOSTS, n) for n in self._sizes if n <= HOSTS_UP_TO]
+        watch.expect(len(sides))
+        found: dict[str, list[Grown]] = {}
+        failed = []
+        for side, joints in sides:
+            watch.at(f"{joints} joints, {side}")
+            try:
+                found.setdefault(side, []).append(_grow(joints, side, seconds))
+            except BenchError as error:
+                failed.append(f"{joints} joints, {side}: {error}")
+        return Result(
+            checks=tuple(
+                Check(f"{one.joints} joints, {side}: hand off its goal", f"{1e3 * one.off:.2f} mm",
+                      one.off < NEAR)
+                for side, runs in found.items() for one in runs
+            ),
+            bars=_bars(found),
+            tables=(_table(found), _growth(found)),
+            notes=(*NOTES, *(f"not measured: {one}" for one in failed)),
+            data={side: [one._asdict() for one in runs] for side, runs in found.items()},
+        )  # fmt: skip
+
+    def draw(self, result: Result, folder: Path) -> tuple[Path, ...]:
+        """Draw how processors' time and answers grow."""
+        from bench.drawing import growth
+
+        return (growth(result.data, folder / "scale.png"),)
+
+
+def _grow(joints: int, side: str, seconds: float) -> Grown:
+    """Launch an arm of so many joints, and measure it once all agents are obeyed."""
+    with tempfile.TemporaryDirectory(prefix="msma-bench-") as place:
+        file = write_arm(Path(place), joints, spread=side == HOSTS)
+        words = [str(file), "--robot", f"bench-scale-{joints}"]
+        words += ["--rehearse"] if side == HOSTS else []
+        with launched(words, spokes=side == SPOKES) as run:
+            run.until(PLANT, "obeys", joints, _PATIENCE)
+            ready = max(line["wall"] for line in read_log(run.run, PLANT, "obeys")) - run.commanded
+            time.sleep(1.0)  # let them settle
+            meter = _meter(run)
+            begun = time.time()
+            time.sleep(seconds)
+            ended = time.time()
+            usage = meter.usage() if meter else {}
+            links = _links(run) if meter else 0
+            time.sleep(0.6)  # the plant writes its log twice a second
+            record = read_record(run.run)
+            deployment = load(run.run / "deployment.yaml")
+    first, last = record.t_at(begun), record.t_at(ended)
+    told = arrivals(record, PERIOD)
+    answered = sum(int(((times >= first) & (times < last)).sum()) for times in told)
+    inside = (record.t >= first) & (record.t < last)
+    took = np.sort(PERIOD - record.age[inside].ravel())  # a period after its state, less its age
+    took = took[~np.isnan(took)]
+    assert deployment.goal is not None
+    return Grown(
+        joints,
+        int(inside.sum()) * joints,
+        min(answered, int(inside.sum()) * joints),
+        quantile(took.tolist(), 0.5),
+        quantile(took.tolist(), 0.99),
+        sum(one.cpu for one in usage.values()),
+        median([one.cpu for role, one in usage.items() if "/" in role] or [0.0]),
+        _memory(usage),
+        links,
+        float(errors(record, deployment.goal.build())[-1]),
+        ready,
+    )
+
+
+def write_arm(folder: Path, joints: int, *, spread: bool = False) -> Path:
+    """Write a planar arm of 1 m, and its deployment with a goal on a circle; return that file."""
+    length = 1.0 / joints
+    parts = ["<robot name='long'><link name='link_0'/>"]
+    for i in range(1, joints + 1):
+        shift = 0.0 if i == 1 else length
+        parts.append(
+            f"<link name='link_{i}'/><joint name='joint_{i}' type='continuous'>"
+            f"<parent link='link_{i - 1}'/><child link='link_{i}'/><origin xyz='{shift!r} 0 0'/>"
+            "<axis xyz='0 0 1'/><limit velocity='0.87' acceleration='4' effort='10'/></joint>"
+        )
+    parts.append(
+        f"<link name='tip'/><joint name='tip_joint' type='fixed'><parent link='link_{joints}'/>"
+        f"<child link='tip'/><origin xyz='{length!r} 0 0'/></joint></robot>"
+    )
+    (folder / "long.urdf").write_text("\n".join(parts), encoding="utf-8")
+    turn = 120.0 / joints  # the arm begins as a third of a circle
+    angles = np.radians(np.arange(1, joints + 1) * turn - 60.0)
+    x, y = length * np.cos(angles).sum(), length * np.sin(angles).sum()
+    hosts = ("robot", "arm", "base") if spread else ()
+    homes = [f", host: {('arm', 'base')[i % 2]}" if spread else "" for i in range(joints)]
+    lines = [
+        "robot: long",
+        f"description: {folder / 'long.urdf'}",
+        f"period: {PERIOD} s",
+        "patience: 60 s",
+        *([f"hosts: {{{', '.join(f'{h}: 127.0.0.{i + 1}' for i, h in enumerate(hosts))}}}"]
+          if spread else []),
+        "plant: {hold: 480 ms}",
+        f"start: {{joints: [{turn - 60.0} deg{f', {turn} deg' * (joints - 1)}]}}",
+        "goal:",
+        "  class: agents.paths:Circle",
+        f"  centre: [{x - 0.08:.6f} m, {y:.6f} m, 0 m]",
+        f"  start: [{x:.6f} m, {y:.6f} m, 0 m]",
+        "  rate: 18 deg/s",
+        "  turns: 20",
+        "agents:",
+        *(f"  - {{role: joint/{i + 1}, class: agents.joint:JointAgent{homes[i]}}}"
+          for i in range(joints)),
+    ]  # fmt: skip
+    file = folder / "long.yaml"
+    file.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return file
+
+
+def _meter(run: Launched) -> Meter | None:
+    """Return what measures all processes of a run; None where they have ids of their own."""
+    pids = {}
+    for log in sorted(run.run.glob("*.jsonl")):
+        starts = [line for line in read_log(run.run, log.stem, "start") if "role" in line]
+        if starts and starts[-1]["role"] != "launcher":
+            pids[starts[-1]["role"]] = int(starts[-1]["pid"])
+    ours = all(_is_of(pid, run.run) for pid in pids.values())
+    return Meter(pids) if ours else None
+
+
+def _is_of(pid: int, run: Path) -> bool:
+    with suppress(OSError):
+        return str(run).encode() in Path(f"/proc/{pid}/cmdline").read_bytes()
+    return False
+
+
+def _links(run: Launched) -> int:
+    """Return how many connections are established at the ports of a run's processes."""
+    base = load(run.run / "deployment.yaml", only_role=PLANT).port
+    count = 0
+    for line in Path("/proc/net/tcp").read_text(encoding="ascii").splitlines()[1:]:
+        local, state = line.split()[1], line.split()[3]
+        count += state == "01" and base <= int(local.partition(":")[2], 16) < base + 96
+    return count
+
+
+def _memory(usage: Mapping[str, Usage]) -> tuple[int, int]:
+    sizes = [one.pss for one in usage.values()]
+    return max(sizes, default=0), sum(sizes)
+
+
+def _bars(found: Mapping[str, Sequence[Grown]]) -> tuple[Row, ...]:
+    rows = []
+    for one in found.get(FULL, ()):
+        if one.joints == BARRED:
+            words = f"{one.answered} of {one.due}"
+            rows.append(Row(f"{BARRED} joint agents at 60 ms: answers", "every tick of each",
+                            words, one.answered == one.due))  # fmt: skip
+    return tuple(rows)
+
+
+def _table(found: Mapping[str, Sequence[Grown]]) -> Table:
+    rows = []
+    for side, runs in found.items():
+        for one in runs:
+            known = one.cpu > 0
+            rows.append((
+                f"{one.joints}", side, f"{100 * one.answered / max(one.due, 1):.2f} %",
+                f"{1e3 * one.p50:.1f}", f"{1e3 * one.p99:.1f}",
+                f"{one.cpu:.2f}" if known else "", f"{100 * one.agent:.1f} %" if known else "",
+                f"{one.pss[0] / 1e6:.0f}" if known else "",
+                f"{one.pss[1] / 1e6:.0f}" if known else "",
+                f"{one.links}" if known else "", f"{one.ready:.1f}",
+            ))  # fmt: skip
+    head = ("joints", "links", "answered", "p50 [ms]", "p99", "all: cores", "an agent: cpu",
+            "largest PSS [MB]", "all", "connections", "all obeyed after [s]")  # fmt: skip
+    return Table("a planar arm of 1 m at 60 ms", head, tuple(rows))
+
+
+def _growth(found: Mapping[str, Sequence[Grown]]) -> Table:
+    """Return by which power of the number of processes each cost grows, from end to end."""
+    rows = []
+    for side, runs in found.items():
+        if len(runs) < 2 or not runs[0].cpu:
+            continue
+        more = np.log((runs[-1].joints + _OTHERS) / (runs[0].joints + _OTHERS))
+        powers = [
+            f"{np.log(max(b, 1e-9) / max(a, 1e-9)) / more:.2f}"
+            for a, b in ((getattr(runs[0], name), getattr(runs[-1], name))
+                         for name in ("p99", "cpu", "agent", "links"))
+        ]  # fmt: skip
+        rows.append((side, *powers))
+    head = ("links", "p99", "all: cores", "an agent", "connections")
+    return Table("grows with that power of the number of processes", head, tuple(rows))
+
+
+NOTES = (
+    "An answer's time is taken from the plant's log: the period less the age of the command when "
+    "the next step begins, so never more than a period.",
+    f"With '{SPOKES}' each agent dials the plant and the goal source alone: no agent hears "
+    "another, so those links carry only what keeps them alive.",
+    "Three hosts are three network namespaces that share this machine's cores.",
+)

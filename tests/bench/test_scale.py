@@ -1,0 +1,36 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from bench.scale import FULL, NEAR, SPOKES, ScaleBench, write_arm
+from plant.kinematics import Kinematics
+from runtime.config.deployment import load
+from studies.study import Watch
+
+
+@pytest.mark.parametrize("joints", [4, 64])
+def test_a_long_arm_begins_at_its_goal(joints: int, tmp_path: Path) -> None:
+    deployment = load(write_arm(tmp_path, joints))
+    robot = deployment.description.robot
+    assert robot.n == joints
+    assert len(deployment.agents) == joints
+    assert deployment.goal is not None
+    hand = Kinematics(robot).forward(np.array(deployment.start.joints)).tip
+    assert np.linalg.norm(hand - deployment.goal.build().piece(0.0).at(0.0)) < 1e-5
+    assert len(load(write_arm(tmp_path, joints, spread=True)).hosts) == 3
+
+
+def test_an_arm_is_measured_with_all_links_and_with_few(tmp_path: Path) -> None:
+    bench = ScaleBench((5,), hosts=False)
+    result = bench.measure(0.2, Watch())
+    (full,), (spokes,) = result.data[FULL], result.data[SPOKES]
+    assert full["links"] == 28  # of seven processes and the launcher, each to each
+    assert spokes["links"] == 28 - 10  # none between two of the five agents
+    for one in (full, spokes):
+        assert one["off"] < NEAR
+        assert 0 < one["answered"] <= one["due"]
+        assert one["pss"][0] > 1e6
+        assert one["cpu"] > 0
+    (picture,) = bench.draw(result, tmp_path)
+    assert picture.stat().st_size > 5000
