@@ -1,4 +1,4 @@
-"""What can be wrong with a machine, or a robot's place on it, before anything is started."""
+"""What can be wrong with a machine before anything is started on it."""
 
 import os
 import resource
@@ -11,12 +11,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import NamedTuple
 
-from runtime.launching.finding import Target, is_taken, robots_here
-from runtime.launching.local import diags
-from runtime.wire import keys
-from runtime.wire.bus import Bus
 from runtime.wire.mesh import LOOPBACK
-from runtime.wire.ports import SLOTS
 
 _LIBRARIES = {"eclipse-zenoh": (1, 10), "msgpack": (1,), "numpy": (1, 26), "pyyaml": (6,)}
 _PLOTS = "matplotlib"
@@ -50,31 +45,6 @@ def machine(runs: Path) -> Iterator[Finding]:
     yield _loopback()
     yield _load()
     yield _folder(runs)
-
-
-def place(target: Target, roles: int) -> Iterator[Finding]:
-    """Look at a robot's place on this machine: who has its ports, and does anything run there."""
-    running = set(robots_here())
-    others = sorted(running - {target.robot})
-    yield Finding(Grade.OK, "other robots", ", ".join(others) or "none run here")
-    with Bus(target.robot, "a tool", target.mesh.visitor(), 0, target.credentials) as bus:
-        told = diags(bus)
-    if told:
-        there = ", ".join(sorted({diag.role for diag in told}))
-        yield Finding(Grade.WARN, target.robot, f"runs already: {there}; `msma stop` ends it")
-        if all(diag.role != keys.PLANT for diag in told):
-            detail = "none there: the others end by themselves; `msma revive plant` starts one"
-            yield Finding(Grade.BAD, "plant", detail)
-        return
-    base = target.mesh.base
-    taken = [port for port in range(base, base + SLOTS) if is_taken(port)]
-    ports = f"{base} to {base + SLOTS - 1}"
-    if not taken:
-        yield Finding(Grade.OK, "ports", f"{ports} are free")
-    else:
-        wanted = any(port < base + roles for port in taken)
-        detail = f"{', '.join(map(str, taken))} of {ports} taken by others; set `port` in the file"
-        yield Finding(Grade.BAD if wanted else Grade.WARN, "ports", detail)
 
 
 def _python() -> Finding:

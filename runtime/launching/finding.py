@@ -4,20 +4,29 @@ import argparse
 import json
 import random
 import socket
-from collections.abc import Iterator
-from contextlib import contextmanager
+import struct
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
+from pathlib import Path
 from typing import NamedTuple
 
+from plant.errors import MsmaError
 from runtime.config.deployment import load
 from runtime.config.overrides import Override
 from runtime.launching.failures import RunError
 from runtime.wire import keys
 from runtime.wire.bus import Bus
+from runtime.wire.fields import MessageError
 from runtime.wire.mesh import LOOPBACK, Address, Mesh, Place, on_loopback
-from runtime.wire.ports import ALL_BASES, port_base
+from runtime.wire.messages import Diag, unpack
+from runtime.wire.ports import ALL_BASES, SLOTS, port_base
 from runtime.wire.security import OPERATOR, Credentials
 
 _LOOKED_AT = 8  # ports of each robot: of plant, goal and the first agents
+_FIRST_PORTS = [base + slot for base in ALL_BASES for slot in range(_LOOKED_AT)]
+_ALL_PORTS = range(ALL_BASES.start, ALL_BASES.stop)
+_TABLES = {"/proc/net/tcp": socket.AF_INET, "/proc/net/tcp6": socket.AF_INET6}
+_LISTENS = "0A"  # as those tables say it
 _PATIENCE = 1.0  # [s]
 _BY_FILE = "if its file sets its port, hosts or security, give the file: --file FILE"
 
@@ -50,29 +59,63 @@ def target_of(args: argparse.Namespace) -> Target:
         deployment = load(args.file, name, keys.PLANT)
         return Target(deployment.robot, deployment.mesh, deployment.credentials(OPERATOR))
     if args.robot is not None:
-        return Target(args.robot, on_loopback(port_base(args.robot)))
+        base = port_base(args.robot)
+        ports = range(base, base + SLOTS)
+        if {there.host for there in _listening() if there.port in ports} <= {LOOPBACK}:
+            return Target(args.robot, on_loopback(base))
+        return _by_its_file(args.robot, robots_here())
     running = robots_here()
     if len(running) == 1:
-        return Target(running[0], on_loopback(port_base(running[0])))
+        return _by_its_file(next(iter(running)), running)
     if running:
         raise RunError(f"several robots run here: {', '.join(running)}; say which: --robot NAME")
     raise RunError(f"no robot runs here; {_BY_FILE}")
 
 
-def robots_here() -> list[str]:
-    """Return the names of the robots that run on this machine.
+def robots_here() -> dict[str, str]:
+    """Return the names of the robots that run on this machine, and a deployment file of each.
 
-    A port that is taken among those of any robot's first roles is asked whose it is. A robot
-    whose deployment file sets its port is not found so.
+    A port that is taken among those of any robot is asked whose it is. A robot whose deployment
+    file sets its port is not found so, nor one that speaks to those it knows only.
     """
-    ports = [base + slot for base in ALL_BASES for slot in range(_LOOKED_AT)]
-    taken = tuple(port for port in ports if is_taken(port))
-    if not taken:
-        return []
-    place = Place(Address(LOOPBACK, 0), tuple(Address(LOOPBACK, port) for port in taken))
-    with Bus(None, "a tool", place, random.getrandbits(63)) as bus:
+    dials = tuple(there for there in _listening() if there.port in _ALL_PORTS)
+    if not dials:
+        return {}
+    with Bus(None, "a tool", Place(Address(LOOPBACK, 0), dials), random.getrandbits(63)) as bus:
         answers = bus.ask(f"*/{keys.EVERY_DIAG}", timeout=_PATIENCE)
-    return sorted({answer.key.partition("/")[0] for answer in answers})
+    found = {}
+    for answer in answers:
+        with suppress(MessageError):
+            diag = unpack(Diag, answer.data)
+            if diag.host == socket.gethostname():
+                found[answer.key.partition("/")[0]] = diag.deployment
+    return dict(sorted(found.items()))
+
+
+def _by_its_file(robot: str, running: Mapping[str, str]) -> Target:
+    """Return a robot that runs here, wherever else it is by the file it was started with."""
+    with suppress(MsmaError):
+        deployment = load(running.get(robot, ""), only_role=keys.PLANT)
+        if deployment.robot == robot:
+            return Target(robot, deployment.mesh, deployment.credentials(OPERATOR))
+    return Target(robot, on_loopback(port_base(robot)))
+
+
+def _listening() -> list[Address]:
+    """Return where something listens for TCP at an address of this machine, among our ports."""
+    found = []
+    for file, family in _TABLES.items():
+        try:
+            lines = Path(file).read_text().splitlines()[1:]
+        except OSError:  # not Linux: at the usual address only
+            return [Address(LOOPBACK, port) for port in _FIRST_PORTS if is_taken(port)]
+        for local, state in ((line.split()[1], line.split()[3]) for line in lines):
+            if state == _LISTENS:
+                address, _, port = local.partition(":")
+                words = struct.unpack(f"!{len(address) // 8}I", bytes.fromhex(address))
+                host = socket.inet_ntop(family, struct.pack(f"={len(words)}I", *words))
+                found.append(Address(host, int(port, 16)))
+    return found
 
 
 def is_taken(port: int, host: str = LOOPBACK) -> bool:

@@ -50,12 +50,14 @@ class Course(NamedTuple):
     reason: why it ended
     view: what was to be seen last of the processes, while they lived
     happenings: what nobody else logs: how processes ended, and what was tried in vain
+    host: whose share alone was started, None if all was
     """
 
     code: int
     reason: str
     view: View
     happenings: tuple[Happening, ...]
+    host: str | None = None
 
 
 def prepare(
@@ -96,6 +98,7 @@ class Launcher:
         host: str | None = None,
     ) -> None:
         self._deployment = deployment
+        self._host = host
         self._members = [one for one in deployment.crew if host in (None, one.host)]
         self._roles = {one.role for one in self._members}
         self._make_screen, self._network = make_screen, network
@@ -129,7 +132,11 @@ class Launcher:
             self._journal.close()
             self._children.tidy()
         return Course(
-            self._ending.code, self._ending.reason or "", self._view, tuple(self._happenings)
+            self._ending.code,
+            self._ending.reason or "",
+            self._view,
+            tuple(self._happenings),
+            self._host,
         )
 
     def _is_ours(self, event: ChaosEvent) -> bool:

@@ -129,6 +129,8 @@ def _outcome(
     deployment: Deployment, course: Course, record: Record | None, verdict: Verdict | None
 ) -> tuple[int, str]:
     """Return the exit code, and why."""
+    if course.host not in (None, deployment.plant.host):
+        return _of_share(course.host, course)
     if record is None or verdict is None:
         failed = INTERRUPTED if course.code == INTERRUPTED else FAILED
         return failed, f"the robot never moved: {course.reason}"
@@ -142,6 +144,16 @@ def _outcome(
     if verdict.tracking is None:
         return OK, f"ran to {verdict.t:.2f} s"
     return _reached(verdict.tracking, verdict.t, deployment.tolerance)
+
+
+def _of_share(host: str, course: Course) -> tuple[int, str]:
+    """Return how a host fared that does not have the plant, so that it cannot judge the run."""
+    t = course.view.t
+    if course.code == INTERRUPTED:
+        return INTERRUPTED, f"the share of {host} was interrupted at {t:.2f} s"
+    if t == 0:
+        return FAILED, f"the share of {host} saw no plant move: is its host's share started?"
+    return OK, f"the share of {host} ran to {t:.2f} s; the host of the plant judges the run"
 
 
 def _reached(tracking: Tracking, t: float, tolerance: float) -> tuple[int, str]:
@@ -195,7 +207,8 @@ def _processes(deployment: Deployment, run: Path, course: Course) -> list[Proces
     plant = rows.get(PLANT)
     answers = plant.diag.answers if plant is not None and plant.diag is not None else {}
     processes = []
-    for role in deployment.roles:
+    members = [one for one in deployment.crew if course.host in (None, one.host)]
+    for role in dict.fromkeys(one.role for one in members):
         diag = rows[role].diag if role in rows else None
         pids = tuple(line["pid"] for line in read_log(run, role) if line["event"] == "start")
         processes.append(

@@ -15,6 +15,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
+from runtime import VERSION
 from runtime.config.deployment import Deployment, Member
 from runtime.processes.ending import FAILED, Ending
 from runtime.processes.journal import Journal, new_run_folder
@@ -180,6 +181,8 @@ class Process:
             perception=_printable(loop.perception),
             run=_printable(str(self.run)),
             deployment=_printable(str(self.file)),
+            version=VERSION,
+            clock=time.time_ns() // 1000,
         )
 
     def _diag_bytes(self, loop: Loop) -> bytes:

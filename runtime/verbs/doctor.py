@@ -4,9 +4,10 @@ import argparse
 from pathlib import Path
 
 from runtime.config.deployment import load
-from runtime.launching.checkup import Grade, machine, place
+from runtime.launching.checkup import Grade, machine
 from runtime.launching.finding import add_target_options, target_of
 from runtime.launching.key_checkup import keys
+from runtime.launching.place_checkup import hosts, place
 from runtime.launching.table import columns
 from runtime.wire.keys import PLANT
 from runtime.wire.ports import FIRST_COPY
@@ -25,7 +26,7 @@ def run(args: argparse.Namespace) -> int:
     if deployment is not None:
         of_keys = list(keys(deployment))
         wrong_keys = any(one.grade is Grade.BAD for one in of_keys)
-        findings += of_keys
+        findings += [*of_keys, *hosts(deployment)]
     if not wrong_keys and (args.robot is not None or deployment is not None):
         roles = FIRST_COPY if deployment is None else len(deployment.roles)
         findings += place(target_of(args), roles)

@@ -234,7 +234,10 @@ class Bus:
 def _why(robot: str | None, role: str, place: Place, error: str) -> str:
     host, port = place.listen
     if "assign requested address" in error:
-        return f"{role} of {robot} runs on another machine: this one does not have address {host}"
+        return (
+            f"{role} of {robot} runs on another machine: this one does not have address {host}. "
+            f"`msma launch` starts a host's share by `--host`, and all hosts' by `--ssh`"
+        )
     if "in use" not in error:
         return f"{role} cannot join the bus of {robot}: {error}"
     return (

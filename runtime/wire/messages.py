@@ -117,6 +117,7 @@ class Diag(NamedTuple):
     refused: key to reason to how many messages
     perception: what an agent goes by
     run: the folder of its log; deployment: the file it was started with
+    version: of MSMA; clock: its host's time of day [us since 1970], which decides nothing
     """
 
     t: float
@@ -131,6 +132,8 @@ class Diag(NamedTuple):
     perception: str
     run: str
     deployment: str
+    version: str
+    clock: int
     by: int = 0
     n: int = 0
 
@@ -174,6 +177,8 @@ FIELDS: Mapping[type[Any], tuple[Field, ...]] = {
         Field("perception", text),
         Field("run", text),
         Field("deployment", text),
+        Field("version", text),
+        Field("clock", count),
     ),
 }
 """What each kind of message holds, in the order of its class."""

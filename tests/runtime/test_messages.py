@@ -62,6 +62,8 @@ MESSAGES: dict[type[Message], st.SearchStrategy[Any]] = {
         words,
         words,
         words,
+        words,
+        counts,
         counts,
         counts,
     ),
@@ -239,7 +241,8 @@ def test_what_is_no_message_at_all_is_refused_with_its_reason(data: bytes, reaso
 @pytest.mark.parametrize("text", ["\x1b[2J", "a\nb", "\x00"])
 def test_texts_that_could_play_tricks_on_a_terminal_are_refused(text: str) -> None:
     diag = Diag(
-        *(0.0, "plant", "host", 1, "runs", 1.0, Spread(0, 0, 0), {}, {}, "none", "runs", "a.yaml")
+        *(0.0, "plant", "host", 1, "runs", 1.0, Spread(0, 0, 0), {}, {}, "none", "runs", "a.yaml"),
+        *("0.1.0", 0),
     )
     data = pack(diag._replace(role=text))
     with pytest.raises(MessageError):

@@ -24,7 +24,9 @@ def went(at: float, role: str = "joint/1", by: int = A) -> Act:
 
 def diag(role: str = "joint/1", by: int = A, **changes: Any) -> Diag:
     none = Spread(0.0, 0.0, 0.0)
-    message = Diag(1.0, role, "here", 42, "runs", 16.7, none, {}, {}, "auto", "/run", "a.yaml", by)
+    message = Diag(
+        1.0, role, "here", 42, "runs", 16.7, none, {}, {}, "auto", "/run", "a.yaml", "1", 0, by
+    )
     return message._replace(**changes)
 
 
