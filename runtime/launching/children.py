@@ -2,6 +2,7 @@
 
 import os
 import signal
+import time
 from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
@@ -11,6 +12,7 @@ from runtime.config.deployment import Member
 from runtime.launching.local import logged, obeyed_in
 from runtime.launching.starting import Child, Task, start, start_all
 
+_DYING = 1.0  # [s] for a killed process to be gone
 LOST = 255
 """Stands for the exit code of a process whose host is out of reach."""
 
@@ -40,9 +42,25 @@ class Ended(NamedTuple):
 
 
 def send(pid: int, number: signal.Signals) -> None:
-    """Send a signal to a process of this machine, if it is still there."""
+    """Send a signal to a process of this machine, if it is still there.
+
+    One that is killed is waited for, so that its port is free for who takes its place.
+    """
     with suppress(ProcessLookupError):
         os.kill(pid, number)
+    until = time.monotonic() + _DYING
+    while number is signal.SIGKILL and _holds_on(pid) and time.monotonic() < until:
+        time.sleep(0.001)
+
+
+def _holds_on(pid: int) -> bool:
+    """Tell whether a process still has what it had: also if but one of its threads is left."""
+    try:
+        threads = list(Path(f"/proc/{pid}/task").glob("*/stat"))
+        states = [stat.read_text().rpartition(")")[2].split()[0] for stat in threads]
+    except OSError:
+        return False
+    return any(state not in ("Z", "X") for state in states)
 
 
 class Crew(Protocol):

@@ -33,7 +33,7 @@ def final_error(robot: Robot) -> float:
 def test_each_is_hung_once_and_the_hand_gets_there(robot: Robot) -> None:
     victims = ("launcher", "watcher", *ROLES)
     hangs = [f"--hang={role}@{3 + 1.4 * i:g}:1s" for i, role in enumerate(victims)]
-    launcher = robot.launch("--speed", "3", *hangs)
+    launcher = robot.launch("--speed", "3", "--duration", "20s", *hangs)
     robot.until(0.3)
     watching = robot.start("status", "--watch", "--robot", robot.name)
     out, err = launcher.communicate(timeout=60)
@@ -44,7 +44,7 @@ def test_each_is_hung_once_and_the_hand_gets_there(robot: Robot) -> None:
 
 
 def test_each_is_killed_once_the_launcher_first_and_the_hand_gets_there(robot: Robot) -> None:
-    options = ["--kill=launcher@1", "--kill=watcher@5"]
+    options = ["--hang=joint/5@0.5:5s", "--kill=launcher@1", "--kill=watcher@5"]
     for index, role in enumerate(ROLES):
         at = 5.5 + 1.2 * index
         options += [f"--kill={role}@{at:g}", f"--revive={role}@{at + 0.5:g}"]
@@ -55,6 +55,7 @@ def test_each_is_killed_once_the_launcher_first_and_the_hand_gets_there(robot: R
     assert watching.wait(timeout=30) == -signal.SIGKILL
     wait_for(lambda: not robot.processes(), "all to end by themselves", timeout=60.0)
     assert deeds(robot, "kill") == [("kill", role) for role in ("launcher", "watcher", *ROLES)]
+    assert deeds(robot, "hang", "wake") == [("hang", "joint/5"), ("wake", "joint/5")]
     for role in ROLES:
         assert len(robot.log(role, "start")) == 2
         assert robot.log(role, "end")[0]["reason"] == "the run is over"

@@ -11,7 +11,7 @@ import pytest
 from tests.runtime.conftest import ROOT, Robot, wait_for
 
 FILE = str(ROOT / "deploy" / "arph.yaml")
-SHORT = ("--speed", "3", "--duration", "9s")
+SHORT = ("--speed", "3", "--duration", "8s")
 
 
 def report(robot: Robot) -> tuple[Path, dict[str, Any]]:

@@ -42,9 +42,9 @@ def test_copies_that_cannot_be_are_refused(text: str, says: str) -> None:
         copies(text, HOSTS)
 
 
-@pytest.mark.parametrize("chaos", ["--kill=joint/1@3", "--hang=joint/1@3:1s"])
+@pytest.mark.parametrize("chaos", ["--kill=joint/1@2", "--hang=joint/1@2:1s"])
 def test_a_standby_takes_over_within_the_hold_time(robot: Robot, chaos: str) -> None:
-    launcher = robot.launch("--duration", "5s", "--set", "agents.joint/1.copies=2", chaos)
+    launcher = robot.launch("--duration", "4s", "--set", "agents.joint/1.copies=2", chaos)
     robot.until(1.0)
     shown = robot.tool("status").stdout
     assert shown.count("joint/1 ") == 2, shown

@@ -49,6 +49,16 @@ def test_a_process_that_hangs_is_seen_to_be_gone_and_to_come_back(crew: Crew) ->
     wait_for(lambda: alive() == [True], "its return")
 
 
+def test_who_waits_for_news_is_woken_by_who_goes(crew: Crew) -> None:
+    crew.start("joint/1")
+    watcher = Watcher(crew.visit())
+    wait_for(lambda: [row.alive for row in watcher.look().rows] == [True], "the agent")
+    watcher.wait(0.0)  # forget that it came
+    crew.kill("joint/1")
+    watcher.wait(60.0)
+    assert [row.alive for row in watcher.look().rows] == [False]
+
+
 def test_a_watcher_sees_hand_and_goal_and_how_far_they_are_apart(crew: Crew) -> None:
     crew.start("plant", "goal", "joint/1")
     watcher = Watcher(crew.visit())
