@@ -3,6 +3,7 @@
 import json
 import math
 import shlex
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -196,9 +197,8 @@ def _logged(deployment: Deployment, run: Path, record: Record | None) -> Iterato
     for event in record.events:
         if event["event"] == "fault":
             yield Happening(event["t"], f"fault {event['fault']}")
-    for role in deployment.roles:
-        starts = [line for line in read_log(run, role) if line["event"] == "start"]
-        for again in starts[1:]:
+    for role, count in Counter(member.role for member in deployment.crew).items():
+        for again in read_log(run, role, "start")[count:]:
             yield Happening(record.t_at(again["wall"]), f"{role} was started again")
 
 
@@ -208,15 +208,15 @@ def _processes(deployment: Deployment, run: Path, course: Course) -> list[Proces
     answers = plant.diag.answers if plant is not None and plant.diag is not None else {}
     processes = []
     members = [one for one in deployment.crew if course.host in (None, one.host)]
-    for role in dict.fromkeys(one.role for one in members):
+    for role, count in Counter(one.role for one in members).items():
         diag = rows[role].diag if role in rows else None
-        pids = tuple(line["pid"] for line in read_log(run, role) if line["event"] == "start")
+        pids = tuple(line["pid"] for line in read_log(run, role, "start"))
         processes.append(
             ProcessSummary(
                 role=role,
                 host="" if diag is None else diag.host,
                 pids=pids,
-                restarts=max(len(pids) - 1, 0),
+                restarts=max(len(pids) - count, 0),
                 rate=0.0 if diag is None else diag.rate,
                 answer=answers.get(role),
                 refused={} if diag is None else diag.refused,
