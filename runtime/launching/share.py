@@ -17,6 +17,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+import yaml
+
 from plant.errors import MsmaError
 from runtime.config.deployment import Member, load
 from runtime.launching.children import Children
@@ -110,8 +112,11 @@ class _Share:
         if deployment is not None:
             self._run.mkdir(parents=True)
             self._own_folder = True
+            plain = yaml.safe_load(deployment)
+            if not Path(plain["modules"]).is_dir():  # no class is from there, or it will be missed
+                plain["modules"] = str(self._run)
             file = self._run / "deployment.yaml"
-            file.write_text(deployment, encoding="utf-8")
+            file.write_text(yaml.safe_dump(plain, sort_keys=False), encoding="utf-8")
             self._take_keys(keys or {})
             load(file)
         self.processes = Children(self._run)

@@ -136,6 +136,9 @@ def _addressed(deployment: Deployment) -> Deployment:
     addresses = {spec.address for spec in hosts.values()}
     if len(addresses) == len(hosts) and all(map(_will_do, addresses)):
         return deployment
+    if deployment.security is not None:
+        what = "certificates hold the addresses of `hosts`: to be rehearsed they must be IPv4"
+        raise ConfigError(f"{what} addresses, each another and none of the loopback device")
     numbered = {
         name: replace(spec, address=_HOSTS.format(index + 1))
         for index, (name, spec) in enumerate(hosts.items())

@@ -98,7 +98,7 @@ def by_ssh(robot: Robot, *options: str, arm: str = "") -> "subprocess.Popen[str]
 def test_all_hosts_are_started_from_one_terminal_and_their_logs_brought_back(
     robot: Robot,
 ) -> None:
-    launcher = by_ssh(robot, "--duration", "6s", "--speed", "2", "--kill", "joint/2@3")
+    launcher = by_ssh(robot, "--duration", "6s", "--speed", "3", "--kill", "joint/2@3")
     out, err = launcher.communicate(timeout=60)
     assert launcher.returncode == 0, out + err
     assert "joint/2 was killed by SIGKILL" in out
@@ -119,7 +119,7 @@ def test_an_interrupted_launch_ends_the_processes_of_all_hosts(robot: Robot) -> 
 
 
 def test_without_its_launcher_the_run_goes_to_its_end(robot: Robot) -> None:
-    launcher = by_ssh(robot, "--duration", "8s", "--speed", "2")
+    launcher = by_ssh(robot, "--duration", "8s", "--speed", "3")
     wait_for(lambda: len(processes(robot)) >= 9, "all processes")
     launcher.kill()
     launcher.wait()
