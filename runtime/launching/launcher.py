@@ -5,7 +5,8 @@ No process needs it: once they run, it may be killed and nobody notices.
 
 import signal
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -23,7 +24,9 @@ from runtime.processes.journal import Journal, new_run_folder
 from runtime.processes.life import Life
 from runtime.wire.bus import Bus
 from runtime.wire.keys import PLANT
+from runtime.wire.refusals import Refusals
 from runtime.wire.security import OPERATOR
+from runtime.wire.strangers import Strangers
 
 if TYPE_CHECKING:
     from runtime.launching.screen import (
@@ -109,6 +112,8 @@ class Launcher:
         self._schedule = Schedule(filter(self._is_ours, deployment.chaos))
         self._happenings: list[Happening] = []
         self._starting = set(self._roles)
+        self._view = View(0.0, None, None, None, None, [])
+        self._strangers: Strangers | None = None
         self._there: dict[int, str] = {}  # the role of each incarnation that is seen alive
 
     def go(self) -> Course:
@@ -119,7 +124,7 @@ class Launcher:
         self._ending.catch_signals()
         try:
             self._children.start(self._members)
-            with self._visit() as bus:
+            with self._look_out(), self._visit() as bus:
                 self._watcher = Watcher(bus)
                 self._screen = self._make_screen()
                 try:
@@ -144,6 +149,18 @@ class Launcher:
         if event.role in self._deployment.roles:
             return event.role in self._roles
         return PLANT in self._roles
+
+    @contextmanager
+    def _look_out(self) -> Iterator[None]:
+        """Log who is turned away meanwhile, if anybody is."""
+        if self._deployment.security is None:
+            yield
+            return
+        with Strangers(Refusals(self._note_refused), lambda *_: None) as self._strangers:
+            yield
+
+    def _note_refused(self, key: str, reason: str, detail: str) -> None:
+        self._journal.write(self._view.t, "refused", key=key, reason=reason, detail=detail)
 
     def _visit(self) -> Bus:
         deployment = self._deployment
@@ -190,6 +207,8 @@ class Launcher:
             if now >= frame:
                 frame = now + _FRAME
                 self._screen.show(self._view)
+                if self._strangers is not None:
+                    self._strangers.look()
                 self._journal.flush()
             if life.over(now) or life.forlorn(now):
                 return

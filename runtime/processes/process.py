@@ -90,7 +90,7 @@ class Process:
         self._strangers: Strangers | None = None
         with ExitStack() as stack:
             if deployment.credentials(self.role):
-                self._strangers = stack.enter_context(Strangers(self.refusals))
+                self._strangers = stack.enter_context(Strangers(self.refusals, self._note_joined))
             self.bus = stack.enter_context(join(deployment, member, secrets.randbits(63)))
             found = run or run_of_others(self.bus)
             self.run = (found or new_run_folder(deployment.runs, deployment.robot)).absolute()
@@ -192,6 +192,9 @@ class Process:
     def _stop(self, _: bytes) -> bytes:
         self.ending.ask("asked to stop")
         return b"ok"
+
+    def _note_joined(self, name: str, where: str) -> None:
+        self.journal.write(self.t, "joined", name=name, where=where)
 
     def _note_refused(self, key: str, reason: str, detail: str) -> None:
         self.journal.write(self.t, "refused", key=key, reason=reason, detail=detail)

@@ -1,9 +1,9 @@
-"""Who was turned away before any of our code saw a message: counted from what Zenoh says of it.
+"""Who came, and who was turned away before any of our code saw a message: by what Zenoh says of it.
 
-Zenoh tells it in its log alone, which it can write nowhere but to the standard output. So that
+Zenoh tells it in its log alone, which it can write nowhere but to file descriptor 1. So that
 becomes a file without a name, which is looked through now and then: nobody who knocks, however
-often, makes anybody wait, and nothing is left of it. What else it holds goes to where it was
-meant to go.
+often, makes anybody wait, and nothing is left of it. Python's own output goes where it went; what
+else comes to that file is passed on.
 """
 
 import fcntl
@@ -12,6 +12,8 @@ import re
 import sys
 import tempfile
 from collections import Counter
+from collections.abc import Callable
+from contextlib import suppress
 from enum import StrEnum
 from typing import Self
 
@@ -26,12 +28,13 @@ ACCESS_LIST = "(access list)"
 
 _LOGGED = (
     "off",
-    "zenoh_link_tls=warn",
+    "zenoh_link_tls=debug",  # it names who has connected
     "zenoh::net::routing::interceptor=trace",  # a line for each message that is dropped
     "zenoh::net::routing::interceptor::access_control=info",  # its trace tells of all others too
 )
 _COLOURS = re.compile(rb"\x1b\[[0-9;]*m")
-_LINE = re.compile(rb"\S+Z +[A-Z]+ .*?(zenoh[a-z_:]*): (.*)")
+_LINE = re.compile(rb"\S+Z +([A-Z]+) .*?(zenoh[a-z_:]*): (.*)")
+_JOINED = re.compile(rb"Accepted TLS connection on \S+: (\S+)\. Common Name: (.*)\.")
 _OURS = (b"zenoh_link_tls", b"zenoh::net::routing::interceptor")
 _HINT = " Hint: increase the system open file limit."  # which it gives to all failures
 _LARGE = 1 << 20  # bytes, after which the file is emptied
@@ -68,14 +71,18 @@ class Strangers:
     """Listens to Zenoh's log in its `with` block, which begins before the first session is opened.
 
     refusals: what they are counted in
+    joined: called with name and address of who has connected, once his certificate was found good
     """
 
-    def __init__(self, refusals: Refusals) -> None:
-        self._refusals = refusals
+    def __init__(self, refusals: Refusals, joined: Callable[[str, str], None]) -> None:
+        self._refusals, self._joined = refusals, joined
         self._rest = b""
         self._read = 0
-        sys.stdout.flush()
+        self._stdout = sys.stdout
+        self._stdout.flush()
         self._out = os.dup(1)
+        encoding, errors = self._stdout.encoding, self._stdout.errors
+        sys.stdout = os.fdopen(os.dup(1), "w", encoding=encoding, errors=errors)
         self._log = _file_without_a_name()
         os.dup2(self._log, 1)
         zenoh.init_log_from_env_or(",".join(_LOGGED))
@@ -90,31 +97,50 @@ class Strangers:
         """Count what was logged since the last look, and pass on what else was written."""
         found: Counter[tuple[str, Turned]] = Counter()
         details: dict[Turned, str] = {}
+        others = []
         while data := os.pread(self._log, _LARGE, self._read):
             self._read += len(data)
             *lines, self._rest = (self._rest + data).split(b"\n")
             for line in lines:
-                turned = _turned_away(line)
-                if turned is None:
-                    os.write(self._out, line + b"\n")
-                else:
-                    key, why, detail = turned
-                    found[key, why] += 1
+                match = _LINE.fullmatch(_COLOURS.sub(b"", line))
+                if match is None or not match[2].startswith(_OURS):
+                    others.append(line + b"\n")
+                elif joined := _JOINED.fullmatch(match[3]):
+                    self._joined(*(part.decode(errors="replace") for part in joined.groups()[::-1]))
+                elif match[1] != b"DEBUG":
+                    why, detail = _turned_away(match[3])
+                    found[STRANGERS if detail else ACCESS_LIST, why] += 1
                     details.setdefault(why, detail)
         for (key, why), times in found.items():
             self._refusals.count(key, why, details[why], times)
         if self._read > _LARGE:
             os.ftruncate(self._log, 0)  # what was written since the last read goes uncounted
             self._read = 0
+        self._pass_on(b"".join(others))
+
+    def _pass_on(self, data: bytes) -> None:
+        with suppress(OSError):  # nobody reads any more
+            while data:
+                data = data[os.write(self._out, data) :]
 
     def close(self) -> None:
-        """Look for the last time, and give the standard output back."""
-        sys.stdout.flush()
+        """Look for the last time, and put the standard output back."""
+        with suppress(OSError):
+            sys.stdout.close()
+        sys.stdout = self._stdout
         os.dup2(self._out, 1)
         self.look()
-        os.write(self._out, self._rest)
+        self._pass_on(self._rest)
         os.close(self._out)
         os.close(self._log)
+
+
+def _turned_away(said: bytes) -> tuple[Turned, str]:
+    """Return why somebody was turned away, by what Zenoh said of it, and the detail for the log."""
+    why = next(why for sign, why in _SIGNS if sign in said)
+    if why is Turned.NOT_ALLOWED:
+        return why, ""
+    return why, said.decode(errors="replace").removesuffix(_HINT)
 
 
 def _file_without_a_name() -> int:
@@ -125,15 +151,3 @@ def _file_without_a_name() -> int:
     memory = os.memfd_create("strangers")
     fcntl.fcntl(memory, fcntl.F_SETFL, os.O_APPEND)
     return memory
-
-
-def _turned_away(line: bytes) -> tuple[str, Turned, str] | None:
-    """Return what to count a line of Zenoh's log as: key, reason, detail; None if it is another."""
-    match = _LINE.fullmatch(_COLOURS.sub(b"", line))
-    if match is None or not match[1].startswith(_OURS):
-        return None
-    why = next(why for sign, why in _SIGNS if sign in match[2])
-    if why is Turned.NOT_ALLOWED:
-        return ACCESS_LIST, why, ""
-    detail = match[2].decode(errors="replace").removesuffix(_HINT)
-    return STRANGERS, why, detail

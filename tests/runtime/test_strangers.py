@@ -41,7 +41,8 @@ Tables = Mapping[str, Mapping[str, Mapping[str, int]]]
 def attack(bus: Bus, spared: set[str], seconds: float) -> None:
     """Say all that a robot can be told, give every order and answer in place of others."""
     for key in (keys.stop("**"), keys.stop("plant"), keys.FAULT):
-        assert not bus.ask(key, b"joint/1:locked", timeout=0.5)
+        answers = bus.ask(key, b"joint/1:locked", timeout=0.5)
+        assert not any(answer.agreed for answer in answers)
     for token in TOKENS - spared:
         bus._session.liveliness().declare_token(token)
     for key in (keys.FAULT, keys.stop("joint/1"), keys.diag("plant"), keys.diag("joint/1")):
@@ -62,20 +63,25 @@ def attack(bus: Bus, spared: set[str], seconds: float) -> None:
 class Siege:
     """A run, all strangers at once in the midst of it, and what was to be seen of them."""
 
-    def __init__(self, robot: Robot, folder: Path, stack: ExitStack) -> None:
-        self.robot, self._folder, self._stack = robot, folder, stack
+    def __init__(self, robot: Robot, folder: Path) -> None:
+        self.robot, self._folder = robot, folder
         self._mesh = on_loopback(port_base(robot.name), len(ROLES))
         self._slot = FIRST_COPY
         authority = Authority(robot.name, 10)
         self.keys = folder / "keys"
         write_keys(self.keys, authority, [*names(ROLES), "nobody"], [LOOPBACK])
-        launcher = robot.launch(
-            *("--speed", "2", "--set", f"security.keys={self.keys}"), file="arph-secure.yaml"
-        )
+        options = ("--speed", "1.5", "--duration", "16s", "--set", f"security.keys={self.keys}")
+        launcher = robot.launch(*options, file="arph-secure.yaml")
         robot.until(1.0)
+        with ExitStack() as self._stack:
+            self._besiege(authority)
+        self.out, self.err = launcher.communicate(timeout=60)
+        self.code = launcher.returncode
+
+    def _besiege(self, authority: Authority) -> None:
         now = datetime.now(UTC)
         expired = authority.issue("joint/1", [LOOPBACK], now - timedelta(9), now - timedelta(1))
-        other = Authority(robot.name, 10).issue("joint/1", [LOOPBACK])
+        other = Authority(self.robot.name, 10).issue("joint/1", [LOOPBACK])
         self.outsiders = {
             "without TLS": self._join(None),
             "expired": self._join(self._with("expired", expired)),
@@ -96,8 +102,6 @@ class Siege:
         self.overheard = {kind: _strange(kind, ring) for kind, ring in rings.items()}
         self.refused = self._all_counted(observer)
         self.told = diags(observer)
-        self.out, self.err = launcher.communicate(timeout=60)
-        self.code = launcher.returncode
 
     def _with(self, name: str, pair: tuple[str, str]) -> Credentials:
         """Return credentials of joint/1 with that pair of keys, and the robot's authority."""
@@ -172,7 +176,7 @@ def _is_a_stranger_s(key: str, data: bytes) -> bool:
 def siege(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Siege]:
     with ExitStack() as stack:
         folder = tmp_path_factory.mktemp("siege")
-        yield Siege(Robot(folder, stack), folder, stack)
+        yield Siege(Robot(folder, stack), folder)
 
 
 @pytest.mark.timeout(90)
@@ -220,6 +224,10 @@ def test_the_logs_and_the_summary_tell_of_it(siege: Siege) -> None:
     for role in ROLES:
         told = {(line["key"], line["reason"]) for line in siege.robot.log(role, "refused")}
         assert told >= {(STRANGERS, reason) for reason in REASONS}
+        came = [line["name"] for line in siege.robot.log(role, "joined")]
+        assert INSIDER in came
+        assert "nobody" in came
+    assert siege.robot.log("launcher", "refused")
     plant = siege.robot.summary["processes"][0]
     assert plant["refused"][ACCESS_LIST][Turned.NOT_ALLOWED] > 10
     assert "not allowed" in siege.out
@@ -284,12 +292,14 @@ import json, os, sys
 from runtime.wire.refusals import Refusals
 from runtime.wire.strangers import Strangers
 refusals = Refusals()
-with Strangers(refusals) as strangers:
+joined = []
+with Strangers(refusals, lambda *who: joined.append(who)) as strangers:
     print("an agent's own words")
+    sys.stdout.flush()
     for line in sys.stdin:
         os.write(1, line.encode())
         strangers.look()
-print(json.dumps(refusals.table()), file=sys.stderr)
+print(json.dumps([refusals.table(), joined]), file=sys.stderr)
 """
 LINES = {
     "peer sent no certificates": "no certificate",
@@ -301,12 +311,15 @@ LINES = {
 def test_of_zenoh_s_log_all_that_is_not_about_strangers_goes_where_it_was_meant_to() -> None:
     others = ["not a line of a log", "2026-11-21T03:14:18Z  WARN zenoh::api: another matter"]
     start = "2026-11-21T03:14:18.21Z  WARN acc-0 ThreadId(06) zenoh_link_tls::unicast: "
+    came = "Accepted TLS connection on 127.0.0.1:9501: 127.0.0.1:55132. Common Name: joint/1."
+    accepted = start.replace("WARN", "DEBUG") + came
     done = subprocess.run(
         [sys.executable, "-c", SAID],
-        input="\n".join([start + line for line in LINES] + others) + "\n",
+        input="\n".join([accepted, *(start + line for line in LINES), *others]) + "\n",
         env={**os.environ, "PYTHONPATH": str(ROOT)},
         capture_output=True,
         text=True,
     )
     assert done.stdout.splitlines() == ["an agent's own words", *others], done.stderr
-    assert json.loads(done.stderr) == {STRANGERS: dict.fromkeys(LINES.values(), 1)}
+    counted = {STRANGERS: dict.fromkeys(LINES.values(), 1)}
+    assert json.loads(done.stderr) == [counted, [["joint/1", "127.0.0.1:55132"]]]
