@@ -16,6 +16,8 @@ GO, DONE = "go", "done"
 """The events that are printed: the measurement begins, and it has ended."""
 PATIENCE = 15.0
 """For all to answer for the first time [s]."""
+SETTLE = 1.0
+"""From everybody's first answer to the begin of the measurement [s]."""
 _LATE = 0.25  # [s] that answers have after the last tick
 
 
@@ -38,7 +40,7 @@ class Ticks:
         roles: Sequence[str],
         period: float,
         seconds: float,
-        settle: float = 1.0,
+        settle: float = SETTLE,
         tell: Callable[[dict[str, Any]], None] = say,
     ) -> None:
         self._period, self._tell = period, tell

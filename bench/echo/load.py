@@ -74,11 +74,12 @@ def answer(role: str, state: bytes) -> bytes:
     return state[:8].ljust(size, b".")
 
 
-def be_plant(
-    part: Part,
-    tell: Callable[[int], None],
-    heard: Callable[[], Iterable[tuple[str, float, bytes]]],
-) -> None:
+Heard = Callable[[], Iterable[tuple[str, float, bytes]]]
+BePlant = Callable[[Part, Callable[[int], None], Heard], None]
+"""What a side lets run in its plant, such as `be_plant`."""
+
+
+def be_plant(part: Part, tell: Callable[[int], None], heard: Heard) -> None:
     """Tell one tick after another until killed, and measure who answers when.
 
     tell: sends the three states of a tick

@@ -6,18 +6,20 @@ import selectors
 import subprocess
 import sys
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO, Any
 
 from bench.bench import BenchError
-from bench.ticks import DONE, GO, PATIENCE
+from bench.ticks import DONE, GO, PATIENCE, SETTLE
 from bench.usage import Meter, Usage
 
 ROOT = Path(__file__).parents[2]
-_SPARE = 10.0  # [s] that starting and adding up may take
+_LOOK = 0.5  # [s]
+SPARE = 10.0
+"""For starting and adding up [s]."""
 
 
 @dataclass(frozen=True)
@@ -27,10 +29,12 @@ class Measured:
     Attributes:
         ticks: What `Ticks.result` says.
         usage: Of each process, by role.
+        ready: From the start of the first process until all have answered [s], to a period.
     """
 
     ticks: Mapping[str, Any]
     usage: Mapping[str, Usage]
+    ready: float
 
     @property
     def in_time(self) -> float:
@@ -100,6 +104,7 @@ def run(
     """
     env = environment() if env is None else env
     running = Running()
+    began = time.monotonic()
     with ExitStack() as stack:
         stack.callback(running.end)
         ears = stack.enter_context((errors or Path(os.devnull)).open("ab"))
@@ -114,21 +119,27 @@ def run(
         first = next(iter(commands))
         out = running.processes[first].stdout
         assert out is not None
-        _event(out, GO, PATIENCE + _SPARE)
+        await_event(out, GO, PATIENCE + SPARE)
+        ready = time.monotonic() - began - SETTLE
         meter = Meter(running.pids)
-        done = _event(out, DONE, 1.5 * seconds + _SPARE)
+        done = await_event(out, DONE, 1.5 * seconds + SPARE)
         for role, process in running.processes.items():
             if process.poll() is not None:
                 raise BenchError(f"{role} ended while it was measured: {commands[role]}")
-        return Measured(done, meter.usage())
+        return Measured(done, meter.usage(), ready)
 
 
-def _event(out: IO[bytes], wanted: str, patience: float) -> dict[str, Any]:
-    """Wait for an event that the measuring process prints."""
+def await_event(
+    out: IO[bytes], wanted: str, patience: float, look: Callable[[], None] = lambda: None
+) -> dict[str, Any]:
+    """Wait for an event that the measuring process prints; `look` meanwhile, now and then."""
     until = time.monotonic() + patience
     with selectors.DefaultSelector() as selector:
         selector.register(out, selectors.EVENT_READ)
-        while selector.select(max(until - time.monotonic(), 0.0)):
+        while (left := until - time.monotonic()) > 0:
+            look()
+            if not selector.select(min(left, _LOOK)):
+                continue
             line = out.readline()
             if not line:
                 raise BenchError("the process that measures has ended")

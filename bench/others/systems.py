@@ -1,0 +1,210 @@
+"""What is measured beside us: where it comes from, how it is started, and what it survives."""
+
+import os
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import ClassVar
+
+from bench.echo.load import AGENTS, GOAL, ROLES, STATES
+from bench.others.crew import Crew, await_port, free_port
+
+VICTIM = "joint/2"
+"""The agent that is killed."""
+
+
+@dataclass(frozen=True)
+class Blow:
+    """Something that is killed, and for how long the commands are watched then.
+
+    Attributes:
+        what: In a few words, with what brings it back.
+        strike: Does it.
+        role: Whose commands are watched; None for everybody's.
+        seconds: For how long [s].
+    """
+
+    what: str
+    strike: Callable[[Crew], None]
+    role: str | None
+    seconds: float
+
+
+class System(ABC):
+    """A way for processes to talk to each other that somebody might pick.
+
+    Attributes:
+        name: What people call it.
+        side: Module of its processes.
+        requirements: What pip is asked for; the first one is the system itself.
+    """
+
+    name: ClassVar[str]
+    side: ClassVar[str]
+    requirements: ClassVar[tuple[str, ...]]
+
+    @abstractmethod
+    def start(self, crew: Crew) -> None:
+        """Start all its processes."""
+
+    def blows(self) -> tuple[Blow, ...]:
+        """Return what is killed, one after the other, for what it has against that."""
+        return ()
+
+
+class PyZmq(System):
+    """Sockets that one wires up; no process but one's own."""
+
+    name, side = "pyzmq", "bench.others.sides.pyzmq"
+    requirements = ("pyzmq==27.3.0",)
+
+    def start(self, crew: Crew) -> None:
+        """Start the roles; whoever binds may come later than who connects."""
+        for role in ROLES:
+            crew.play(role)
+
+
+class Cyclone(System):
+    """DDS, the bus below ROS 2; its participants find each other on this host only.
+
+    The configuration is of its guide, for a host without multicast: every participant takes the
+    next free port and looks for others on those of `localhost`.
+    """
+
+    name, side = "Cyclone DDS", "bench.others.sides.cyclonedds"
+    requirements = ("cyclonedds==11.0.1",)
+    CONFIGURATION: ClassVar[str] = (
+        '<CycloneDDS><Domain Id="any"><General><Interfaces><NetworkInterface name="lo"/>'
+        "</Interfaces><AllowMulticast>false</AllowMulticast></General><Discovery>"
+        "<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>32"
+        '</MaxAutoParticipantIndex><Peers><Peer Address="localhost"/></Peers></Discovery>'
+        "</Domain></CycloneDDS>"
+    )
+
+    def start(self, crew: Crew) -> None:
+        """Start the roles, in a domain of their own."""
+        crew.env["CYCLONEDDS_URI"] = self.CONFIGURATION
+        crew.port = 1 + os.getpid() % 200
+        for role in ROLES:
+            crew.play(role)
+
+
+class Dora(System):
+    """A coordinator, a daemon, and the nodes of a dataflow that the daemon starts."""
+
+    name, side = "dora-rs", "bench.others.sides.dora"
+    requirements = ("dora-rs==1.1.0", "dora-rs-cli==1.1.0")
+
+    def start(self, crew: Crew) -> None:
+        """Start coordinator, daemon and dataflow, as `dora up` and `dora start` do."""
+        crew.env["HOME"] = str(crew.place)  # where it keeps its state
+        crew.env["DORA_COORDINATOR_PORT"] = str(crew.port)
+        (crew.place / "dataflow.yml").write_text(dataflow(crew), encoding="utf-8")
+        self._coordinate(crew)
+        self._serve_daemon(crew)
+        crew.call([self._dora(crew), "start", "dataflow.yml", "--detach"])
+
+    def blows(self) -> tuple[Blow, ...]:
+        """Of its guide to fault tolerance: `restart_policy`, and a coordinator with a store."""
+
+        def coordinator(crew: Crew) -> None:
+            crew.kill("coordinator")
+            self._coordinate(crew)
+
+        def daemon(crew: Crew) -> None:
+            crew.kill("daemon")
+            self._serve_daemon(crew)
+            crew.call([self._dora(crew), "start", "dataflow.yml", "--detach"])
+
+        return (
+            Blow("a node; `restart_policy: on-failure`", lambda c: c.kill(VICTIM), VICTIM, 3.0),
+            Blow("the coordinator; started again at once", coordinator, None, 3.0),
+            Blow("the daemon; started again at once, and the dataflow too", daemon, None, 6.0),
+        )
+
+    @staticmethod
+    def _dora(crew: Crew) -> str:
+        return str(crew.python.with_name("dora"))
+
+    def _coordinate(self, crew: Crew) -> None:
+        store = f"redb:{crew.place}/coordinator.redb"
+        crew.serve("coordinator", [self._dora(crew), "coordinator", "--store", store])
+        await_port(crew.port)
+
+    def _serve_daemon(self, crew: Crew) -> None:
+        port = ("--local-listen-port", str(free_port()))
+        crew.serve("daemon", [self._dora(crew), "daemon", *port, "--zenoh-no-multicast"])
+
+
+class Spade(System):
+    """Agents that send each other messages over an XMPP server."""
+
+    name, side = "SPADE", "bench.others.sides.spade"
+    # its database library does not say that it needs greenlet
+    requirements = ("spade==4.1.4", "greenlet")
+
+    def start(self, crew: Crew) -> None:
+        """Start the server, then all agents."""
+        self._serve(crew)
+        for role in ROLES:
+            crew.play(role)
+
+    def blows(self) -> tuple[Blow, ...]:
+        """Nothing of its own starts anything again, so this bench does, at once."""
+
+        def agent(crew: Crew) -> None:
+            crew.kill(VICTIM)
+            crew.play(VICTIM)
+
+        def server(crew: Crew) -> None:
+            crew.kill_all_of("server")
+            self._serve(crew)
+
+        return (
+            Blow("an agent; started again at once by the bench", agent, VICTIM, 6.0),
+            Blow(
+                "the server with its helpers; started again at once by the bench", server, None, 8.0
+            ),
+        )
+
+    @staticmethod
+    def _serve(crew: Crew) -> None:
+        ports = ("--client_port", str(crew.port), "--server_port", str(free_port()))
+        store = ("--db", str(crew.place / "server.db"))  # so that it knows its agents again
+        command = [str(crew.python.with_name("spade")), "run", "--host", "localhost"]
+        crew.serve("server", [*command, *ports, *store])
+        await_port(crew.port)
+
+
+SYSTEMS: tuple[System, ...] = (PyZmq(), Cyclone(), Dora(), Spade())
+
+
+def dataflow(crew: Crew) -> str:
+    """Return the nodes and who hears whom as dora's YAML: of each input only the newest."""
+    states = [f"plant/{_plain(state)}" for state in STATES]
+    lines = ["nodes:"]
+    for role in ROLES:
+        script, *words = crew.words(role)
+        outputs, inputs = ["command"], [*states, "goal/goal"]
+        if role == "plant":
+            outputs, inputs = [_plain(state) for state in STATES], []
+        elif role == GOAL:
+            outputs, inputs = ["goal"], states
+        lines += [
+            f"  - id: {_plain(role)}",
+            f"    path: {script}",
+            f"    args: {' '.join(words)}",
+            "    restart_policy: on-failure",
+            f"    outputs: [{', '.join(outputs)}]",
+            "    inputs:",
+        ]
+        if role == "plant":
+            lines += [f"      {_plain(agent)}: {_plain(agent)}/command" for agent in AGENTS]
+        for source in inputs:
+            name = source.partition("/")[2]
+            lines.append(f"      {name}: {{source: {source}, queue_size: 1}}")
+    return "\n".join(lines) + "\n"
+
+
+def _plain(name: str) -> str:
+    return name.replace("/", "-")
