@@ -16,7 +16,7 @@ from runtime.config.deployment import Deployment
 from runtime.config.lots import MANNERS, fault
 from runtime.config.tree import ConfigError
 from runtime.launching.aftermath import Aftermath, aftermath
-from runtime.launching.children import send
+from runtime.launching.children import lives, send
 from runtime.launching.forecast import forecast
 from runtime.launching.havoc import check_means
 from runtime.launching.launcher import prepare
@@ -24,6 +24,7 @@ from runtime.launching.local import logged
 from runtime.launching.record import RecordError, read_log, read_record
 from runtime.launching.starting import spawn
 from runtime.launching.table import distance
+from runtime.launching.trial import prove_all
 from runtime.launching.verdict import judge
 
 MOST = 3
@@ -89,7 +90,7 @@ def carry_out(deployment: Deployment, seed: int) -> Trial:
     run = prepare(drawn)
     began = time.monotonic()
     assert drawn.duration is not None
-    with _launched(run) as launcher:
+    with _launched(drawn, run) as launcher:
         _wait(launcher, drawn, run)
         limit = began + drawn.duration / drawn.speed + drawn.patience + _LEAVING
         while (left := _left(drawn, run)) and time.monotonic() < limit:
@@ -98,7 +99,7 @@ def carry_out(deployment: Deployment, seed: int) -> Trial:
             send(pid, signal.SIGKILL)
     why = f"{len(left)} processes were left and had to be killed" if left else ""
     if not why and launcher.returncode == 1:
-        out = (run / "trial.out").read_text(encoding="utf-8", errors="replace").strip()
+        out = (run / "launcher.out").read_text(encoding="utf-8", errors="replace").strip()
         why = out.split("\n")[-1]
     return _judged(drawn, run, why)
 
@@ -120,9 +121,9 @@ def _judged(deployment: Deployment, run: Path, why: str) -> Trial:
 
 
 @contextmanager
-def _launched(run: Path) -> Iterator["subprocess.Popen[bytes]"]:
-    """Launch a run; at an interruption it is interrupted too."""
-    launcher = spawn("runtime.launching.attempt", [str(run)], run / "trial.out")
+def _launched(deployment: Deployment, run: Path) -> Iterator["subprocess.Popen[bytes]"]:
+    """Launch a run; at an interruption it is interrupted too, and nothing is left of it."""
+    launcher = spawn("runtime.launching.attempt", [str(run)], run / "launcher.out")
     try:
         yield launcher
     except BaseException:
@@ -130,6 +131,8 @@ def _launched(run: Path) -> Iterator["subprocess.Popen[bytes]"]:
             send(launcher.pid, signal.SIGINT)
             launcher.wait(_LEAVING)
         launcher.kill()
+        for pid in _left(deployment, run):
+            send(pid, signal.SIGKILL)
         raise
     finally:
         launcher.wait()
@@ -155,7 +158,7 @@ def _left(deployment: Deployment, run: Path) -> list[int]:
     """Return the processes that are left of a run, whose launcher is gone."""
     left = [pid for role in deployment.roles for pid in logged(run, role)]
     heirs = [line["pid"] for line in read_log(run, "heir", "start")]
-    return left + [pid for pid in heirs if Path(f"/proc/{pid}").exists()]
+    return left + [pid for pid in heirs if lives(pid)]
 
 
 def check(deployment: Deployment, runs: int) -> None:
@@ -164,6 +167,7 @@ def check(deployment: Deployment, runs: int) -> None:
         raise ConfigError(f"--runs {runs}: one at least is wanted, such as 10")
     duration, path = _end(deployment)
     check_means(deployment, None)
+    prove_all(deployment)
     alone = forecast(deployment, path, duration)
     if not alone.in_reach(deployment.tolerance):
         what = f"the hand would end {distance(alone.error)} off even without faults by lot"

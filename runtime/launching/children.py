@@ -49,12 +49,12 @@ def send(pid: int, number: signal.Signals) -> None:
     with suppress(ProcessLookupError):
         os.kill(pid, number)
     until = time.monotonic() + _DYING
-    while number is signal.SIGKILL and _holds_on(pid) and time.monotonic() < until:
+    while number is signal.SIGKILL and lives(pid) and time.monotonic() < until:
         time.sleep(0.001)
 
 
-def _holds_on(pid: int) -> bool:
-    """Tell whether a process still has what it had: also if but one of its threads is left."""
+def lives(pid: int) -> bool:
+    """Tell whether a process of this machine has not quite ended, down to its last thread."""
     try:
         threads = list(Path(f"/proc/{pid}/task").glob("*/stat"))
         states = [stat.read_text().rpartition(")")[2].split()[0] for stat in threads]
