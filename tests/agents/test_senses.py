@@ -44,8 +44,8 @@ def test_an_agent_rests_for_a_small_part_of_its_horizon(body):
 def test_how_often_it_decides_does_not_change_how_it_lets_go(body, percepts, ticks):
     period = 0.01
     agent = JointAgent(body(1, period), memory=1.0)
-    speed = 0.5
+    speed = 0.1
     for tick in range(0, 40, ticks):  # it goes on as it goes, but for its memory
         joints = Joints(START, np.array([0, speed, 0, 0, 0, 0]))
         speed = float(agent.decide(percepts(t=tick * period, joints=joints)))
-    assert speed == pytest.approx(0.5 * np.exp(-0.4), rel=0.05)
+    assert speed == pytest.approx(0.1 * np.exp(-0.4), rel=0.05)
