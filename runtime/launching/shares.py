@@ -88,7 +88,9 @@ class _Host:
         """Return what was said last of why it is gone."""
         with suppress(OSError):
             lines = self._out.read_text(encoding="utf-8", errors="replace").split("\n")
-            return next((line.strip() for line in reversed(lines) if line.strip()), "it is gone")
+            told = (line.strip() for line in reversed(lines))
+            # the latter is all that `unshare` says if what it runs is killed
+            return next((line for line in told if line and "sigprocmask" not in line), "it is gone")
         return "it is gone"
 
 

@@ -90,9 +90,15 @@ def test_late_and_lost_packets_between_hosts_cost_little(robot: Robot) -> None:
 
 
 def test_when_the_first_host_dies_the_others_go_on_and_newcomers_join(robot: Robot) -> None:
-    """On it is the agent that all others connect to first; it is revived on a third host."""
-    places = ("goal", "robot"), ("agents.platform", "robot"), ("agents.joint/1", "base")
-    moved = [part for path, name in places for part in ("--set", f"{path}.host={name}")]
+    """On it is the agent that all others connect to first; it is revived on a third host.
+
+    Another agent there has a standby elsewhere, which takes over within the hold time.
+    """
+    moved = [
+        *("--set", "goal.host=robot", "--set", "agents.platform.host=robot"),
+        *("--set", "agents.joint/1.host=base", "--set", "agents.joint/3.host=base"),
+        *("--set", "agents.joint/3.copies=2"),
+    ]
     chaos = ("--kill", "joint/2@3", "--revive", "joint/2@4", "--revive", "joint/1@4")
     launcher = rehearse(robot, "--duration", "7s", *moved, *chaos)
     robot.until(1.5)
