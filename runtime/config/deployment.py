@@ -10,7 +10,7 @@ import yaml
 
 from agents.agent import Agent
 from runtime.config.chaos import LAUNCHER, WATCHER, ChaosEvent
-from runtime.config.hosts import HostName, HostSpec, here_alone
+from runtime.config.hosts import HostName, HostSpec, Router, here_alone
 from runtime.config.kinds import Output, Pattern, Range, Scope
 from runtime.config.lots import RandomChaos
 from runtime.config.overrides import Override
@@ -53,6 +53,8 @@ class Deployment:
         hosts: The machines that it runs on; without them all is on this one, and no other machine
             can reach it.
         security: Who may join; without it, whoever can reach its ports, to do anything.
+        routers: Address and port of Zenoh routers of your own, by which all talk instead of with
+            each other; one is enough, and if one fails they take another.
         start: Where the robot stands at first.
         plant: How the simulated robot behaves.
         goal: The path that the goal takes; without one, an operator moves it.
@@ -73,6 +75,7 @@ class Deployment:
     runs: Annotated[Path, Output(), Derived(lambda _: Path.cwd() / "runs")]
     modules: Annotated[Path, Derived(lambda scope: scope["folder"])]
     hosts: Annotated[Mapping[HostName, HostSpec], Derived(here_alone)]
+    routers: tuple[Router, ...] = ()
     security: SecuritySpec | None = None
     start: Start
     plant: PlantSpec
@@ -131,7 +134,8 @@ class Deployment:
     def mesh(self) -> Mesh:
         """Where its processes find each other."""
         homes = tuple(self.hosts[self.host_of(role)].address for role in self.roles)
-        return Mesh(self.port, homes, tuple(host.address for host in self.hosts.values()))
+        hosts = tuple(host.address for host in self.hosts.values())
+        return Mesh(self.port, homes, hosts, self.routers)
 
     def credentials(self, name: str) -> Credentials | None:
         """Return what a role, or an operator, shows the others; None where nobody asks for it.
@@ -164,6 +168,9 @@ class Deployment:
         if len(self.roles) > FIRST_COPY:
             what = f"{len(self.roles)} processes with plant and goal, of {FIRST_COPY} at most"
             raise node.find("agents").error(what)
+        if self.routers and self.security:
+            what = "a router stands between those who check each other's certificates"
+            raise node.find("routers").error(f"{what}; leave out this or `security`")
         copies = len(self.crew) - len(self.roles)
         if copies > SLOTS - FIRST_COPY:
             what = f"{copies} copies of agents, of {SLOTS - FIRST_COPY} at most"

@@ -13,6 +13,9 @@ HostName = Annotated[str, Pattern("[A-Za-z0-9][A-Za-z0-9._-]*", "a host's name",
 HostAddress = Annotated[
     str, Pattern("[A-Za-z0-9][A-Za-z0-9._-]*|[0-9A-Fa-f:.]+", "an address", "192.168.0.11")
 ]
+Router = Annotated[
+    str, Pattern(r"([A-Za-z0-9._-]+|\[[0-9A-Fa-f:.]+\]):[0-9]{1,5}", "a router", "192.168.0.2:7447")
+]
 _EVERYWHERE = ("0.0.0.0", "::")
 
 

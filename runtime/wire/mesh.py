@@ -26,11 +26,13 @@ class Place(NamedTuple):
     """Where a process listens (port 0: anywhere) and whom it dials.
 
     elsewhere: how many roles there are on other hosts than its own
+    routers: if there are any, it connects to one of these instead, and to nobody else
     """
 
     listen: Address
     dials: tuple[Address, ...]
     elsewhere: int = 0
+    routers: tuple[str, ...] = ()
 
 
 class Mesh(NamedTuple):
@@ -39,11 +41,13 @@ class Mesh(NamedTuple):
     base: the first of the robot's ports, which are the same on every host
     homes: the address of each role's host, in the order of their slots
     hosts: the addresses of all hosts, on which copies may be
+    routers: address and port of Zenoh routers by which all talk instead
     """
 
     base: int
     homes: tuple[str, ...]
     hosts: tuple[str, ...]
+    routers: tuple[str, ...] = ()
 
     @property
     def addresses(self) -> tuple[str, ...]:
@@ -53,7 +57,7 @@ class Mesh(NamedTuple):
     def seat(self, slot: int) -> Place:
         """Return the place of a role's process."""
         home = self.homes[slot]
-        return Place(Address(home, self.base + slot), self._roles(slot), self._elsewhere(home))
+        return self._place(home, slot, self._roles(slot))
 
     def copy_seat(self, slot: int, home: str) -> Place:
         """Return the place of a copy in one of the slots for copies of the host `home`.
@@ -63,7 +67,7 @@ class Mesh(NamedTuple):
         before = self.addresses.index(home)
         same = (Address(address, self.base + slot) for address in self.addresses[:before])
         dials = (*self._roles(len(self.homes)), *self._copies(slot), *same)
-        return Place(Address(home, self.base + slot), dials, self._elsewhere(home))
+        return self._place(home, slot, dials)
 
     def visitor(self) -> Place:
         """Return the place of a tool, which dials all roles and copies and is dialled by none.
@@ -72,7 +76,11 @@ class Mesh(NamedTuple):
         is worth knowing how many roles there are.
         """
         dials = (*self._roles(len(self.homes)), *self._copies(SLOTS))
-        return Place(Address(LOOPBACK, 0), dials, self._elsewhere(LOOPBACK))
+        return Place(Address(LOOPBACK, 0), dials, self._elsewhere(LOOPBACK), self.routers)
+
+    def _place(self, home: str, slot: int, dials: tuple[Address, ...]) -> Place:
+        listen = Address(home, self.base + slot)
+        return Place(listen, dials, self._elsewhere(home), self.routers)
 
     def _roles(self, below: int) -> tuple[Address, ...]:
         homes = self.homes[:below]

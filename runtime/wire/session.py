@@ -1,6 +1,7 @@
 """How a process's Zenoh session is set up: what held when others were killed, stopped and cut off.
 
-It dials and listens where its place says and nowhere else: no multicast, no gossip, no router.
+It dials and listens where its place says and nowhere else: no multicast, no gossip, and no router
+unless the user has one, through which all goes then.
 Where certificates are asked for it speaks TLS: of QUIC, which Zenoh has too, the others notice
 only after a lease that a process was killed, and an answer takes twice as much longer.
 """
@@ -48,11 +49,11 @@ def config(robot: str | None, place: Place, credentials: Credentials | None = No
     return zenoh.Config.from_json5(
         json.dumps(
             {
-                "mode": "peer",
+                "mode": "client" if place.routers else "peer",
                 "namespace": robot,
-                "listen": {"endpoints": [f"{protocol}/{place.listen}"]},
+                "listen": {"endpoints": [] if place.routers else [f"{protocol}/{place.listen}"]},
                 "connect": {
-                    "endpoints": [f"{protocol}/{address}" for address in place.dials],
+                    "endpoints": [f"{protocol}/{there}" for there in place.routers or place.dials],
                     "retry": {
                         "period_init_ms": 100,
                         "period_max_ms": patience.pause,
