@@ -19,14 +19,13 @@ from bench.others.our_blows import strike_ours
 from bench.others.systems import SYSTEMS, System
 from bench.others.tables import answers_table, blows_table, costs_table, notes, ready_table
 from bench.ours import ARPH, deployed, run_ours
-from studies.study import Row, Watch
+from studies.study import Watch
 
 RATES = {17: 2.5, 100: 1.5, 500: 1.5, 1000: 1.5}
 """Rate [Hz] to how long it is measured in each round [s]; 17 stands for the paper's 60 ms."""
 ROUNDS = 3
 ENOUGH = 0.5
 """Share of the ticks answered in time below which a system is taken not to follow a rate."""
-_GAP_BAR = 2  # periods
 
 Runs = dict[int, dict[str, list[Measured]]]
 """Rate to side to its runs."""
@@ -89,7 +88,7 @@ class OthersBench(Bench):
         self._blows(found, struck, pythons, rounds, watch)
         return Result(
             checks=tuple(_checks(found)),
-            bars=tuple(_bars(found)),
+            bars=(),
             tables=(
                 answers_table(found.runs),
                 costs_table(found.runs),
@@ -212,16 +211,6 @@ def _checks(found: Found) -> Iterator[Check]:
             yield Check(f"{rate} Hz, {side}", text + off, passed)
     if not found.runs:
         yield Check("anything", "nothing could be measured", False)
-
-
-def _bars(found: Found) -> Iterator[Row]:
-    for number, struck in enumerate(zip(*found.blows.get(OURS, ()), strict=True)):
-        gaps = [each.gap for each in struck]
-        longest = max(gap.seconds for gap in gaps)
-        words = f"{1e3 * longest:.0f} ms at most in {len(gaps)} (period {1e3 * PERIOD:.0f} ms)"
-        held = all(gap.ended for gap in gaps) and longest <= _GAP_BAR * PERIOD
-        bar = (f"at most {_GAP_BAR} periods", held) if number else ("", None)
-        yield Row(f"SIGKILL of {struck[0].what}: gap", bar[0], words, bar[1])
 
 
 def _finite(value: Any) -> Any:

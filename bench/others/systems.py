@@ -119,7 +119,7 @@ class Dora(System):
         return (
             Blow("a node; `restart_policy: on-failure`", lambda c: c.kill(VICTIM), VICTIM, 3.0),
             Blow("the coordinator; started again at once", coordinator, None, 3.0),
-            Blow("the daemon; started again at once, and the dataflow too", daemon, None, 6.0),
+            Blow("the daemon; started again at once, and the dataflow too", daemon, None, 7.0),
         )
 
     @staticmethod
@@ -161,9 +161,9 @@ class Spade(System):
             self._serve(crew)
 
         return (
-            Blow("an agent; started again at once by the bench", agent, VICTIM, 6.0),
+            Blow("an agent; started again at once by the bench", agent, VICTIM, 5.0),
             Blow(
-                "the server with its helpers; started again at once by the bench", server, None, 8.0
+                "the server with its helpers; started again at once by the bench", server, None, 6.0
             ),
         )
 
