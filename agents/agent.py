@@ -102,8 +102,8 @@ class Agent(ABC):
     """Which percepts it has a use for: the others need not come to its process."""
 
     rest: float = 0.0
-    """How soon after a decision the next one is of use [s]; until then it leaves the processor
-    to the others, however often there is something new to see."""
+    """How soon after a decision the next one is of use [s]: where processors are too busy for it to
+    answer all that it sees, it leaves them to the others until then."""
 
     @abstractmethod
     def decide(self, percepts: Percepts) -> Array | None:

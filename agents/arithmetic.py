@@ -17,6 +17,9 @@ Mask = npt.NDArray[np.bool_]
 """Yes or no for each robot of a batch, or a plain bool where there is none."""
 
 
+_MANY = np.ndarray
+
+
 def parts(vector: Array) -> tuple[Array, Array, Array]:
     """Return the three parts (...) of vectors (..., 3): floats of a lone one."""
     if vector.ndim == 1:
@@ -42,38 +45,53 @@ def squared_length(vector: Array) -> Array:
     return x * x + y * y + z * z
 
 
-def _many(*values: object) -> bool:
-    return any(isinstance(value, np.ndarray) for value in values)
+def known(values: Array) -> bool:
+    """Tell whether all values (..., n) are numbers: one that is lost is NaN."""
+    if values.ndim == 1:
+        return not any(map(math.isnan, values.tolist()))
+    return not np.isnan(values).any()
 
 
 def sqrt(value: Array) -> Array:
     """Return the square root (...)."""
-    return np.sqrt(value) if _many(value) else cast("Array", math.sqrt(value))
+    return np.sqrt(value) if isinstance(value, _MANY) else cast("Array", math.sqrt(value))
 
 
 def sin(angle: Array) -> Array:
     """Return the sine (...)."""
-    return np.sin(angle) if _many(angle) else cast("Array", math.sin(angle))
+    return np.sin(angle) if isinstance(angle, _MANY) else cast("Array", math.sin(angle))
 
 
 def cos(angle: Array) -> Array:
     """Return the cosine (...)."""
-    return np.cos(angle) if _many(angle) else cast("Array", math.cos(angle))
+    return np.cos(angle) if isinstance(angle, _MANY) else cast("Array", math.cos(angle))
 
 
 def arctan2(y: Array, x: Array) -> Array:
     """Return the angle (...) of (x, y) [rad], within -pi to pi."""
-    return np.arctan2(y, x) if _many(y, x) else cast("Array", math.atan2(y, x))
+    return (
+        np.arctan2(y, x)
+        if isinstance(y, _MANY) or isinstance(x, _MANY)
+        else cast("Array", math.atan2(y, x))
+    )
 
 
 def lesser(a: Array | float, b: Array | float) -> Array:
     """Return the lesser (...) of two."""
-    return np.minimum(a, b) if _many(a, b) else cast("Array", a if a < b else b)
+    return (
+        np.minimum(a, b)
+        if isinstance(a, _MANY) or isinstance(b, _MANY)
+        else cast("Array", a if a < b else b)
+    )
 
 
 def greater(a: Array | float, b: Array | float) -> Array:
     """Return the greater (...) of two."""
-    return np.maximum(a, b) if _many(a, b) else cast("Array", a if a > b else b)
+    return (
+        np.maximum(a, b)
+        if isinstance(a, _MANY) or isinstance(b, _MANY)
+        else cast("Array", a if a > b else b)
+    )
 
 
 def within(value: Array, bound: Array | float) -> Array:
@@ -83,7 +101,7 @@ def within(value: Array, bound: Array | float) -> Array:
 
 def where(condition: Mask, yes: Array | float, no: Array | float) -> Array:
     """Return `yes` where the condition holds, else `no`: (...)."""
-    if _many(condition, yes, no):
+    if isinstance(condition, _MANY) or isinstance(yes, _MANY) or isinstance(no, _MANY):
         chosen: Array = np.where(condition, yes, no)
         return chosen
     return cast("Array", yes if condition else no)

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from agents.agent import Array, Body, Percepts
-from agents.arithmetic import sqrt, squared_length
+from agents.arithmetic import known, sqrt, squared_length
 from plant.kinematics import ArmPose, kinematics_of
 
 Perception = Literal["auto", "blackboard", "localiser"]
@@ -70,7 +70,7 @@ class Sight:
 
     def _by_model(self, percepts: Percepts) -> ArmPose | None:
         joints, base = percepts.joints, percepts.base
-        if joints is None or (self._mobile and base is None) or np.isnan(joints.position).any():
+        if joints is None or (self._mobile and base is None) or not known(joints.position):
             return None
         return self._kinematics.forward(joints.position, base if self._mobile else None)
 

@@ -2,6 +2,7 @@
 
 import time
 import traceback
+from math import isfinite
 
 import numpy as np
 
@@ -41,6 +42,7 @@ class AgentLoop(Loop):
         self._shape = (2,) if self._joint is None else ()
         fresh = freshness(deployment.period, deployment.speed)
         self._senses = Senses(deployment.description.robot, fresh, process.refusals)
+        self._late = 1.5 * deployment.period
         self._board = bus.ring(_board(agent.sees))
         others = {"goal": keys.GOAL, "base": keys.PLATFORM}
         self._others = [bus.ring(key) for sense, key in others.items() if sense in agent.sees]
@@ -55,7 +57,12 @@ class AgentLoop(Loop):
         return str(self._agent.perception)
 
     def run(self) -> None:
-        """React to the plant until the bus is closed."""
+        """React to the plant until the bus is closed.
+
+        To each of its states, as long as that can be done in time; where it can not, because others
+        need the processors, the agent rests after a decision for as long as the next is of no use.
+        """
+        rested = True
         while True:
             arrival = self._board.recv()
             now = time.monotonic()
@@ -63,10 +70,15 @@ class AgentLoop(Loop):
             for arrival in self._board.waiting(_AT_ONCE):
                 due = self._senses.take(arrival, now) or due
             if due:
+                before = self._process.t
                 self._turn(now)
                 spent = time.monotonic() - now
                 self.work.add(spent)
-                time.sleep(max(self._agent.rest - spent, 0.0))
+                missed = self._process.t - before > self._late
+                # after a rest it has missed some, of course: whether it keeps up is seen next time
+                rested = missed and not rested
+                if rested:
+                    time.sleep(max(self._agent.rest - spent, 0.0))
 
     def _turn(self, now: float) -> None:
         for ring in self._others:
@@ -82,22 +94,25 @@ class AgentLoop(Loop):
         idle = percepts.goal is None and "goal" in self._agent.sees
         self.state = "waits for a goal" if idle else "runs"
         try:
-            decided = self._agent.decide(percepts)
-            wanted = None if decided is None else np.asarray(decided, dtype=np.float64)
+            decided: object = self._agent.decide(percepts)
+            if decided is None:
+                return
+            wanted = decided if type(decided) is float else np.asarray(decided, dtype=np.float64)
         except Exception as error:  # an agent may be anybody's
             process.refusals.count("decide", type(error).__name__, traceback.format_exc())
             return
-        if wanted is not None:
-            self._tell(t, wanted)
+        self._tell(t, wanted)
 
-    def _tell(self, t: float, wanted: Array) -> None:
+    def _tell(self, t: float, wanted: Array | float) -> None:
         """Send the velocity wanted in answer to the state of `t` [s]."""
-        if wanted.shape != self._shape:
-            reason = f"a command of shape {wanted.shape}"
-            self._process.refusals.count("decide", reason, f"wanted {self._shape}")
-        elif not np.isfinite(wanted).all():
+        shape = () if isinstance(wanted, float) else wanted.shape
+        if shape != self._shape:
+            self._process.refusals.count(
+                "decide", f"a command of shape {shape}", f"wanted {self._shape}"
+            )
+        elif not (isfinite(wanted) if isinstance(wanted, float) else np.isfinite(wanted).all()):
             self._process.refusals.count("decide", "a command that is not finite")
-        elif self._joint is None:
-            self._out.send(PlatformCommand(t, float(wanted[0]), float(wanted[1])))
-        else:
+        elif isinstance(wanted, float) or self._joint is not None:
             self._out.send(JointCommand(t, float(wanted)))
+        else:
+            self._out.send(PlatformCommand(t, float(wanted[0]), float(wanted[1])))

@@ -1,5 +1,6 @@
 """What the processes of all roles have in common: a place on the bus, a log, and an end."""
 
+import gc
 import os
 import secrets
 import signal
@@ -74,7 +75,7 @@ class Process:
         file: Path,
         run: Path | None = None,
     ) -> None:
-        sys.setswitchinterval(0.0005)  # [s], or a busy thread makes the loop wait 5 ms
+        sys.setswitchinterval(0.0001)  # [s], or a busy thread makes the loop wait 5 ms
         self.deployment, self.role, self.file = deployment, member.role, file.absolute()
         self.ending = Ending()
         self.refusals = Refusals(self._note_refused)
@@ -111,6 +112,7 @@ class Process:
 
     def live(self, loop: Loop) -> int:
         """Go through with the loop, in the main thread, and return the exit code."""
+        gc.freeze()  # what there is by now stays: no need to look at it again for garbage
         self.ending.catch_signals()
         by = f"{self.bus.incarnation:x}"
         self.journal.write(self.t, "start", role=self.role, pid=os.getpid(), by=by)
