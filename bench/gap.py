@@ -12,7 +12,7 @@ from runtime.launching.record import Record, read_record
 from runtime.wire.keys import GOAL_SOURCE, PLATFORM_AGENT
 from studies.study import Row, Watch
 
-ROUNDS = 3
+ROUNDS = 2
 FIRST, APART, LOOKED_AT = 3.0, 1.5, 1.2
 """When the first process is killed, from one to the next, and how long is looked at [s]."""
 LAUNCHER = "launcher"

@@ -14,7 +14,7 @@ from bench.places import free_port
 from bench.turns import in_turn, ratio
 from studies.study import Row, Watch
 
-RATES = {17: 6.0, 100: 5.0, 500: 12.0, 1000: 8.0, 2000: 4.0}
+RATES = {17: 5.0, 100: 4.0, 500: 10.0, 1000: 8.0, 2000: 3.0}
 """Rate [Hz] to how long it is measured in each round [s]."""
 ROUNDS = 3
 OURS, PLAIN = "msma", "plain Zenoh"
