@@ -47,9 +47,7 @@ def squared_length(vector: Array) -> Array:
 
 def known(values: Array) -> bool:
     """Tell whether all values (..., n) are numbers: one that is lost is NaN."""
-    if values.ndim == 1:
-        return not any(map(math.isnan, values.tolist()))
-    return not np.isnan(values).any()
+    return not math.isnan(np.vdot(values, values))  # of a NaN and anything it is one
 
 
 def sqrt(value: Array) -> Array:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from plant.faults import Fault
-from plant.kinematics import ArmPose
+from plant.kinematics import ArmPose, quaternion
 from plant.motion import Commands, State, stopping_speed
 from plant.robot import Array, Robot
 
@@ -32,11 +32,16 @@ class Sighting(NamedTuple):
 
     Attributes:
         position: (..., 3) [m].
-        orientation: (..., 4), unit quaternion x, y, z, w.
+        rotation: (..., 3, 3), the hand's x, y and z directions as columns.
     """
 
     position: Array
-    orientation: Array
+    rotation: Array
+
+    @property
+    def orientation(self) -> Array:
+        """(..., 4), the unit quaternion x, y, z, w; worked out only when it is asked for."""
+        return quaternion(self.rotation)
 
 
 class Effects:
@@ -112,9 +117,9 @@ class Effects:
             case "late", _:
                 return self._seen[0]
             case "noisy", float(size):
-                position, orientation = sighting()
+                position, rotation = sighting()
                 noise = size * self._rng.standard_normal(position.shape)
-                return Sighting(position + noise, orientation)
+                return Sighting(position + noise, rotation)
         return None
 
     def after_step(self, sighting: Callable[[], Sighting]) -> None:

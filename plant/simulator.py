@@ -8,7 +8,7 @@ import numpy as np
 
 from plant.effects import Effects, Encoders, Sighting
 from plant.faults import Fault
-from plant.kinematics import ArmPose, kinematics_of, quaternion
+from plant.kinematics import ArmPose, kinematics_of
 from plant.motion import Commands, State, step
 from plant.robot import Array, Robot, RobotError
 
@@ -121,7 +121,7 @@ class Simulator:
 
     def _sighting(self) -> Sighting:
         arm = self.arm()
-        return Sighting(arm.tip, quaternion(arm.rotation))
+        return Sighting(arm.tip, arm.rotation)
 
 
 def _final(state: State) -> State:
