@@ -3,6 +3,7 @@
 All is read from logs afterwards, so that it is known of runs whose launcher was killed as well.
 """
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -33,9 +34,10 @@ class Hit:
         role: Whose process it was.
         gap: Longest gap in the commands to any joint or the platform whose agent was not hit [s,
             plant time], and `of` whose commands it was; None if nobody was left.
-        noticed: How long until the launcher saw it, by the same liveliness as `status` [s, real];
+        noticed: How long until the launcher's watcher saw it, which is that of `status` [s, real];
             None if the launcher did not live to see it, or is not told of such.
         error: Largest distance of the hand from its goal in the 3 s after [m].
+        standbys: How many other processes were in that role then.
         silence: How long the plant had no new command of the role that was hit [s, plant time];
             None for good, and for who commands nothing.
         back: From being started again, or woken, to the first command that was obeyed [s, real].
@@ -48,6 +50,7 @@ class Hit:
     of: str
     noticed: float | None
     error: float
+    standbys: int
     silence: float | None
     back: float | None
 
@@ -74,8 +77,9 @@ def aftermath(deployment: Deployment, run: Path, record: Record) -> Aftermath:
     speaks = {role: seen for role, seen in times.items() if role in agents and len(seen) > 1}
     gaps = {role: _gaps(seen, _downs(done, role, seen)) for role, seen in speaks.items()}
     error = errors(record, deployment.goal.build())
+    processes = Counter(member.role for member in deployment.crew)
     hits = tuple(
-        _hit(line, done[index + 1 :], record, error, speaks, gaps, gone)
+        _hit(line, done[:index], done[index + 1 :], processes, record, error, speaks, gaps, gone)
         for index, line in enumerate(done)
         if line["action"] in ("kill", "hang")
     )
@@ -87,7 +91,9 @@ def aftermath(deployment: Deployment, run: Path, record: Record) -> Aftermath:
 
 def _hit(
     line: Mapping[str, Any],
+    former: Sequence[Mapping[str, Any]],
     later: Sequence[Mapping[str, Any]],
+    processes: Mapping[str, int],
     record: Record,
     error: Array,
     speaks: Mapping[str, Array],
@@ -97,9 +103,11 @@ def _hit(
     role, t = str(line["target"]), line["t"]
     others = [(_worst(found, t), other) for other, found in gaps.items() if other != role]
     gap, of = max(((gap, who) for gap, who in others if gap is not None), default=(None, ""))
-    seen = (each["wall"] - line["wall"] for each in gone if each["role"] == role)
+    seen = (each["wall"] - each["ago"] - line["wall"] for each in gone if each["role"] == role)
     through = (record.t >= t) & (record.t <= t + THROUGH)
     again = next((x for x in later if x["target"] == role and x["action"] in _AGAIN), None)
+    change = sum(_CHANGES.get(x["action"], 0) for x in former if x["target"] == role)
+    standbys = max(processes.get(role, 1) + change - 1, 0)
     silence = back = None
     if role in speaks:
         heard = first_after(speaks[role], t + 1e-3)
@@ -117,12 +125,14 @@ def _hit(
         of=of,
         noticed=next((after for after in seen if after >= 0.0), None),
         error=float(error[through].max(initial=0.0)),
+        standbys=standbys,
         silence=silence,
         back=back,
     )
 
 
 _AGAIN = ("revive", "wake")
+_CHANGES = {"kill": -1, "hang": -1, "revive": 1, "wake": 1}
 
 
 def _downs(

@@ -215,9 +215,12 @@ class Launcher:
 
     def _note_gone(self) -> None:
         """Log who is seen to go, dead or hung, and who is seen again: what `status` shows too."""
-        there = {row.incarnation: row for row in self._view.rows if row.alive}
+        now, rows = time.monotonic(), {row.incarnation: row for row in self._view.rows}
+        there = {by: row for by, row in rows.items() if row.alive}
         for by in self._there.keys() - there.keys():
-            self._journal.write(self._view.t, "gone", role=self._there[by], by=f"{by:x}")
+            ago = now - rows[by].since if by in rows else 0.0  # beside a copy it is not shown
+            role = self._there[by]
+            self._journal.write(self._view.t, "gone", role=role, by=f"{by:x}", ago=round(ago, 6))
         self._there = {by: row.role for by, row in there.items()}
 
     def _note_end(self, ended: Ended) -> None:

@@ -67,10 +67,8 @@ class Tally:
             _times("restarted: until obeyed", (h.back for h in killed)),
             _times("woken: until obeyed", (h.back for h in hung)),
         ]
-        copied = {member.role for member in self.deployment.crew if member.copy}
-        if copied:
-            taken = (h.silence for h in hits if h.role in copied)
-            lines.append(self._gaps("gap until a standby took over", taken))
+        taken = (h.silence for h in hits if h.standbys)
+        lines.append(self._gaps("gap until a standby took over", taken))
         lines += [
             self._gaps(f"{role}: longest gap while alive", self._gaps_of(role))
             for role in self._speakers()

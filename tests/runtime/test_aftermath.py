@@ -44,7 +44,7 @@ def done(t: float, action: str, target: str) -> dict[str, Any]:
 
 
 def gone(t: float, role: str) -> dict[str, Any]:
-    return {"wall": WALL + t / 2, "t": 0.0, "event": "gone", "role": role}
+    return {"wall": WALL + t / 2, "t": 0.0, "event": "gone", "role": role, "ago": 0.01}
 
 
 def after(deployment: Deployment, run: Path, made: Record) -> Aftermath:
@@ -65,7 +65,7 @@ def test_a_kill_leaves_the_others_and_the_return_is_timed(
     assert (hit.action, hit.role) == ("kill", "joint/2")
     assert hit.t == pytest.approx(5.0)
     assert hit.gap == pytest.approx(0.1)  # a period, for the others
-    assert hit.noticed == pytest.approx(0.02)
+    assert hit.noticed == pytest.approx(0.01)
     assert hit.error == pytest.approx(0.002)
     assert hit.silence == pytest.approx(2.0, abs=0.11)
     assert hit.back == pytest.approx(0.5, abs=0.06)  # 1 s of plant time at twice real time
@@ -91,3 +91,16 @@ def test_who_is_down_has_no_gap_to_be_blamed_for(deployment: Deployment, tmp_pat
     assert [hit.role for hit in found.hits] == ["joint/1", "launcher", "goal"]
     assert [hit.gap for hit in found.hits] == pytest.approx([0.1, 0.1, 0.1])
     assert found.gaps["joint/1"] == pytest.approx(0.1)
+
+
+def test_of_a_standby_it_is_told_how_long_it_took_to_take_over(
+    deployment: Deployment, tmp_path: Path
+) -> None:
+    copies = tuple(
+        replace(agent, copies=2) if agent.role == "joint/1" else agent
+        for agent in deployment.agents
+    )
+    log(tmp_path, "launcher", done(3.0, "kill", "joint/1"), done(6.0, "kill", "joint/1"))
+    found = after(replace(deployment, agents=copies), tmp_path, record({0: (2.98, 3.2)}))
+    assert [hit.standbys for hit in found.hits] == [1, 0]
+    assert found.hits[0].silence == pytest.approx(0.3, abs=0.11)

@@ -16,7 +16,7 @@ KILL = ChaosEvent(at=8.0, kill="joint/2")
 
 
 def trial(seed: int, outcome: str = "reached", why: str = "", gap: float = 0.06) -> Trial:
-    hit = Hit(8.0, "kill", "joint/2", gap, "joint/1", 0.02, 0.001, None, None)
+    hit = Hit(8.0, "kill", "joint/2", gap, "joint/1", 0.02, 0.001, 0, None, None)
     after = Aftermath((hit,), {"joint/1": gap, "platform": 0.12})
     error = {"reached": 0.0005, "missed": 0.5}.get(outcome)
     return Trial(seed, (KILL,), outcome, why, error, after, Path("/runs/x"))
