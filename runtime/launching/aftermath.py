@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from agents.agent import Array
+from runtime.config.chaos import LAUNCHER
 from runtime.config.deployment import Deployment
 from runtime.launching.gaps import arrivals, first_after
 from runtime.launching.record import Record, read_log
@@ -21,6 +22,7 @@ THROUGH = 3.0
 """How long after a fault the hand's error counts as the fault's [s, plant time]."""
 AT_ONCE = 1.0
 """How long after a fault gaps in the others' commands count as the fault's [s, plant time]."""
+_LEASE = 0.25  # [s] after which who hangs is taken to be gone
 _SETTLED = 1.0  # [s]: what comes before is the start of processes
 
 
@@ -35,7 +37,7 @@ class Hit:
         gap: Longest gap in the commands to any joint or the platform whose agent was not hit [s,
             plant time], and `of` whose commands it was; None if nobody was left.
         noticed: How long until the launcher's watcher saw it, which is that of `status` [s, real];
-            None if the launcher did not live to see it, or is not told of such.
+            None if the launcher did not live to see it, had hung itself, or is not told of such.
         error: Largest distance of the hand from its goal in the 3 s after [m].
         standbys: How many other processes were in that role then.
         silence: How long the plant had no new command of the role that was hit [s, plant time];
@@ -69,7 +71,8 @@ def aftermath(deployment: Deployment, run: Path, record: Record) -> Aftermath:
     lines = [*read_log(run, "launcher", "chaos"), *read_log(run, "heir", "chaos")]
     lines.sort(key=lambda line: float(line["wall"]))
     done = [{**line, "t": record.t_at(line["wall"])} for line in lines]
-    gone = read_log(run, "launcher", "gone")
+    asleep = min((x["wall"] for x in done if x["target"] == LAUNCHER), default=np.inf)
+    gone = [line for line in read_log(run, "launcher", "gone") if line["wall"] < asleep]
     robot = deployment.description.robot
     roles = [f"joint/{joint + 1}" for joint in range(robot.n)] + ["platform"] * bool(robot.drive)
     agents = {agent.role for agent in deployment.agents}
@@ -103,9 +106,10 @@ def _hit(
     role, t = str(line["target"]), line["t"]
     others = [(_worst(found, t), other) for other, found in gaps.items() if other != role]
     gap, of = max(((gap, who) for gap, who in others if gap is not None), default=(None, ""))
-    seen = (each["wall"] - each["ago"] - line["wall"] for each in gone if each["role"] == role)
     through = (record.t >= t) & (record.t <= t + THROUGH)
     again = next((x for x in later if x["target"] == role and x["action"] in _AGAIN), None)
+    until = np.inf if again is None else again["wall"] + _LEASE
+    seen = (x["wall"] - x["ago"] for x in gone if x["role"] == role and x["wall"] < until)
     change = sum(_CHANGES.get(x["action"], 0) for x in former if x["target"] == role)
     standbys = max(processes.get(role, 1) + change - 1, 0)
     silence = back = None
@@ -123,7 +127,7 @@ def _hit(
         role=role,
         gap=gap,
         of=of,
-        noticed=next((after for after in seen if after >= 0.0), None),
+        noticed=next((wall - line["wall"] for wall in seen if wall >= line["wall"]), None),
         error=float(error[through].max(initial=0.0)),
         standbys=standbys,
         silence=silence,

@@ -84,6 +84,20 @@ def test_a_gap_of_somebody_alive_is_told_with_his_name(
     assert found.gaps["joint/1"] == pytest.approx(0.1)
 
 
+def test_what_a_launcher_sees_after_it_hung_itself_counts_for_nothing(
+    deployment: Deployment, tmp_path: Path
+) -> None:
+    log(
+        tmp_path,
+        "launcher",
+        *(done(3.0, "hang", "goal"), done(3.2, "wake", "goal"), done(4.0, "hang", "launcher")),
+        *(gone(5.0, "goal"), gone(5.0, "joint/1"), done(7.0, "kill", "joint/1")),
+        gone(7.1, "joint/1"),
+    )
+    hits = after(deployment, tmp_path, record({})).hits
+    assert [hit.noticed for hit in hits] == [None, None, None]
+
+
 def test_who_is_down_has_no_gap_to_be_blamed_for(deployment: Deployment, tmp_path: Path) -> None:
     log(tmp_path, "launcher", done(3.0, "kill", "joint/1"), done(3.1, "kill", "launcher"))
     log(tmp_path, "heir", done(6.0, "kill", "goal"))
