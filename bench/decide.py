@@ -2,19 +2,17 @@
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
 from pathlib import Path
 from statistics import median
 from typing import NamedTuple
 
 import numpy as np
 
-from agents.agent import Agent, Array, Body, Goal, Percepts
-from agents.joint import JointAgent
+from agents.agent import Array, Goal
 from bench.bench import Bench, Check, Result, Table
 from bench.goals import Solved, solve_all
-from bench.ours import ARPH, deployed
 from bench.solvers import Solver, missing, solvers
+from bench.thinking import batched, single_cases, thinker
 from bench.turns import in_turn
 from plant.kinematics import Kinematics
 from plant.robot import Robot
@@ -22,7 +20,6 @@ from plant.simulator import Simulator
 from plant.urdf import ROBOTS, load
 from studies import no_model
 from studies.crew import PERIOD, Crew
-from studies.lockstep import decide_all, percepts_of
 from studies.study import Row, Watch
 
 ROUNDS, TICKS, BATCH = 9, 300, 1000
@@ -32,13 +29,6 @@ CREWS = (1000, 2000, 4000, 10000)
 STEPS = 120
 """Of those arms, in which nearly all hands come to their goals."""
 GOALS = 1000
-
-
-class Case(NamedTuple):
-    """An agent, and what it perceives one tick after the other."""
-
-    make: Callable[[], Agent]
-    seen: Sequence[Percepts]
 
 
 class DecideBench(Bench):
@@ -52,11 +42,11 @@ class DecideBench(Bench):
         rounds = max(round(ROUNDS * size), 2)
         watch.expect(4)
         watch.at("single decisions")
-        single = _single_cases()
-        alone = in_turn({name: _thinker(case, 1) for name, case in single.items()}, rounds)
+        single = single_cases(TICKS)
+        alone = in_turn({name: thinker(case, 1) for name, case in single.items()}, rounds)
         watch.at("many decisions at once")
-        many = {name: _batched(case, BATCH) for name, case in single.items()}
-        together = in_turn({name: _thinker(case, BATCH) for name, case in many.items()}, rounds)
+        many = {name: batched(case, BATCH) for name, case in single.items()}
+        together = in_turn({name: thinker(case, BATCH) for name, case in many.items()}, rounds)
         watch.at("agent-steps")
         crews = in_turn(
             {f"{sees}, {count}": _crew(sees, count) for sees in ("blackboard", "auto")
@@ -97,82 +87,6 @@ class DecideBench(Bench):
 
         medians = {name: 1e6 * median(runs) for name, runs in result.data["decision_s"].items()}
         return (bars(medians, "one decision [us]", folder / "decide.png"),)
-
-
-def _single_cases() -> dict[str, Case]:
-    """Return the agents of the mobile arm and of the planar arm, with runs that they had."""
-    arph = deployed(ARPH)
-    robot = arph.description.robot
-    assert arph.goal is not None
-    assert arph.start.platform is not None
-    plant = Simulator(
-        robot, np.array(arph.start.joints), np.array(arph.start.platform), period=arph.period
-    )
-    roles = [spec.role for spec in arph.agents]
-    seen = _run(plant, {role: arph.build_agent(role) for role in roles}, arph.goal.build().piece)
-    names = {
-        "joint/2 of six": "joint/2",
-        "joint/3 of six, an elbow": "joint/3",
-        "joint/4 of six, holds": "joint/4",
-        "platform": "platform",
-    }
-    cases = {name: Case(partial(arph.build_agent, role), seen) for name, role in names.items()}
-    planar = load("planar5")
-    path = Goal(np.array([0.37, 0.44, 0.0]), np.array([0.02, -0.02, 0.0]), 0.0, 1e6)
-    plant = Simulator(planar, np.radians([-30.0, 40.0, 40.0, 40.0, 40.0]), period=0.02)
-    crew = {f"joint/{i + 1}": _joint(planar, i, "auto") for i in range(5)}
-    seen = _run(plant, crew, lambda _: path)
-    for sees in ("blackboard", "auto", "localiser"):
-        cases[f"joint/2 of planar five, {sees}"] = Case(partial(_joint, planar, 1, sees), seen)
-    return cases
-
-
-def _joint(robot: Robot, index: int, perception: str) -> Agent:
-    body = Body(robot, index, 0.02, np.random.default_rng(index))
-    return JointAgent(body, perception=perception)  # type: ignore[arg-type] # a literal
-
-
-def _run(
-    plant: Simulator, agents: Mapping[str, Agent], piece: Callable[[float], Goal]
-) -> list[Percepts]:
-    """Let agents move a plant, and return what they saw."""
-    seen = []
-    for _ in range(TICKS):
-        percepts = percepts_of(plant, piece(plant.state.t))
-        seen.append(percepts)
-        plant.step(decide_all(agents, percepts, plant.state.q.shape))
-    return seen
-
-
-def _batched(case: Case, count: int) -> Case:
-    """Return the same for many equal robots at once."""
-
-    def many(value: Array | None) -> Array | None:
-        return None if value is None else np.repeat(value[None], count, axis=0)
-
-    seen = [
-        each._replace(
-            hand=many(each.hand),
-            base=many(each.base),
-            joints=each.joints
-            and type(each.joints)(*(np.repeat(a[None], count, 0) for a in each.joints)),
-        )
-        for each in case.seen[: TICKS // 10]
-    ]
-    return Case(case.make, seen)
-
-
-def _thinker(case: Case, count: int) -> Callable[[], float]:
-    """Return what measures one decision for one robot [s]: the mean over a run."""
-
-    def think() -> float:
-        agent = case.make()
-        begun = time.perf_counter()
-        for percepts in case.seen:
-            agent.decide(percepts)
-        return (time.perf_counter() - begun) / len(case.seen) / count
-
-    return think
 
 
 class _CrewRun(NamedTuple):

@@ -30,7 +30,7 @@ HOSTS_UP_TO = 16
 BARRED = 32
 NEAR = 0.01
 """Off its goal the hand of a run that counts as done [m]: a hundredth of the arm's length."""
-_PATIENCE = 40.0  # [s] for all to be obeyed
+_PATIENCE = 25.0  # [s] for all to be obeyed
 _OTHERS = 2  # the plant and the goal source
 
 
@@ -108,7 +108,15 @@ def _grow(joints: int, side: str, seconds: float) -> Grown:
         words = [str(file), "--robot", f"bench-scale-{joints}"]
         words += ["--rehearse"] if side == HOSTS else []
         with launched(words, spokes=side == SPOKES) as run:
-            run.until(PLANT, "obeys", joints, _PATIENCE)
+            try:
+                run.until(PLANT, "obeys", joints, _PATIENCE)
+            except BenchError:
+                count = len({line["role"] for line in read_log(run.run, PLANT, "obeys")})
+                links = _links(run)
+                raise BenchError(
+                    f"after {_PATIENCE:g} s only {count} of {joints} agents were obeyed, "
+                    f"with {links} links"
+                ) from None
             ready = max(line["wall"] for line in read_log(run.run, PLANT, "obeys")) - run.commanded
             time.sleep(1.0)  # let them settle
             meter = _meter(run)
