@@ -5,6 +5,7 @@ import json
 import random
 import socket
 import struct
+import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -28,6 +29,7 @@ _ALL_PORTS = range(ALL_BASES.start, ALL_BASES.stop)
 _TABLES = {"/proc/net/tcp": socket.AF_INET, "/proc/net/tcp6": socket.AF_INET6}
 _LISTENS = "0A"  # as those tables say it
 _PATIENCE = 1.0  # [s]
+_CHECKING = 0.1  # [s] for all others to check a certificate, once one has
 _BY_FILE = "if its file sets its port, hosts or security, give the file: --file FILE"
 
 
@@ -129,13 +131,28 @@ def is_taken(port: int, host: str = LOOPBACK) -> bool:
     return False
 
 
+def _somebody(bus: Bus, target: Target) -> bool:
+    """Tell whether anybody is there, once all had time to connect.
+
+    On the same machine they have when a session is open, but not if they check certificates.
+    """
+    until = time.monotonic() + _PATIENCE
+    there = bool(bus.who_is_alive(_PATIENCE))
+    if target.credentials is not None:
+        while not there and time.monotonic() < until:
+            time.sleep(0.02)
+            there = bool(bus.who_is_alive(_PATIENCE))
+        time.sleep(_CHECKING)
+    return there
+
+
 @contextmanager
 def visit(target: Target) -> Iterator[Bus]:
     """Join the bus of a running robot as a tool; `RunError` if nothing runs there."""
     mesh = target.mesh
     incarnation = random.getrandbits(63)
     with Bus(target.robot, "a tool", mesh.visitor(), incarnation, target.credentials) as bus:
-        if not bus.who_is_alive(_PATIENCE):
+        if not _somebody(bus, target):
             where = f"ports {mesh.base} and up of {', '.join(mesh.addresses)}"
             hint = "" if target.credentials else f"; {_BY_FILE}"
             raise RunError(f"nothing of robot {target.robot} runs ({where}){hint}")

@@ -35,7 +35,8 @@ _LOGGED = (
 _COLOURS = re.compile(rb"\x1b\[[0-9;]*m")
 _LINE = re.compile(rb"\S+Z +([A-Z]+) .*?(zenoh[a-z_:]*): (.*)")
 _JOINED = re.compile(rb"Accepted TLS connection on \S+: (\S+)\. Common Name: (.*)\.")
-_OURS = (b"zenoh_link_tls", b"zenoh::net::routing::interceptor")
+_LINKS, _RULES = b"zenoh_link_tls", b"zenoh::net::routing::interceptor"
+_OURS = (_LINKS, _RULES)
 _HINT = " Hint: increase the system open file limit."  # which it gives to all failures
 _LARGE = 1 << 20  # bytes, after which the file is emptied
 
@@ -54,16 +55,17 @@ class Turned(StrEnum):
     OTHER = "no proper connection"
 
 
-_SIGNS = (
+_OF_RULES = (
     (b"Msg intercepted", Turned.NOT_ALLOWED),
     (b"did not match any configured ACL subject", Turned.NO_ROLE),
+)
+_OF_LINKS = (
     (b"corrupt message", Turned.NOT_TLS),
     (b"sent no certificates", Turned.NO_CERTIFICATE),
     (b"certificate expired", Turned.EXPIRED),
     (b"certificate not valid yet", Turned.TOO_EARLY),
     (b"fatal alert: UnknownCA", Turned.DISTRUST),
     (b"invalid peer certificate", Turned.OTHER_AUTHORITY),
-    (b"", Turned.OTHER),
 )
 
 
@@ -76,6 +78,7 @@ class Strangers:
 
     def __init__(self, refusals: Refusals, joined: Callable[[str, str], None]) -> None:
         self._refusals, self._joined = refusals, joined
+        self._all = "RUST_LOG" in os.environ  # somebody wants to read it
         self._rest = b""
         self._read = 0
         self._stdout = sys.stdout
@@ -103,14 +106,15 @@ class Strangers:
             *lines, self._rest = (self._rest + data).split(b"\n")
             for line in lines:
                 match = _LINE.fullmatch(_COLOURS.sub(b"", line))
-                if match is None or not match[2].startswith(_OURS):
+                if match is None or self._all or not match[2].startswith(_OURS):
                     others.append(line + b"\n")
-                elif joined := _JOINED.fullmatch(match[3]):
+                if match is None:
+                    continue
+                if joined := _JOINED.fullmatch(match[3]):
                     self._joined(*(part.decode(errors="replace") for part in joined.groups()[::-1]))
-                elif match[1] != b"DEBUG":
-                    why, detail = _turned_away(match[3])
-                    found[STRANGERS if detail else ACCESS_LIST, why] += 1
-                    details.setdefault(why, detail)
+                elif why := _turned_away(*match.groups()):
+                    found[ACCESS_LIST if why is Turned.NOT_ALLOWED else STRANGERS, why] += 1
+                    details.setdefault(why, match[3].decode(errors="replace").removesuffix(_HINT))
         for (key, why), times in found.items():
             self._refusals.count(key, why, details[why], times)
         if self._read > _LARGE:
@@ -135,12 +139,13 @@ class Strangers:
         os.close(self._log)
 
 
-def _turned_away(said: bytes) -> tuple[Turned, str]:
-    """Return why somebody was turned away, by what Zenoh said of it, and the detail for the log."""
-    why = next(why for sign, why in _SIGNS if sign in said)
-    if why is Turned.NOT_ALLOWED:
-        return why, ""
-    return why, said.decode(errors="replace").removesuffix(_HINT)
+def _turned_away(level: bytes, target: bytes, said: bytes) -> Turned | None:
+    """Return why somebody was turned away, by a line of Zenoh's log; None if that tells nothing."""
+    if target.startswith(_LINKS) and level in (b"WARN", b"ERROR"):
+        return next((why for sign, why in _OF_LINKS if sign in said), Turned.OTHER)
+    if target.startswith(_RULES):
+        return next((why for sign, why in _OF_RULES if sign in said), None)
+    return None
 
 
 def _file_without_a_name() -> int:
