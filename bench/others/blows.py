@@ -53,7 +53,7 @@ def strike(system: System, python: Path) -> list[Struck]:
         for blow in system.blows():
             time.sleep(CALM)
             since = time.monotonic()
-            with suppress(BenchError):  # what cannot be started again is seen in the commands
+            with suppress(BenchError, OSError):  # what does not start again is seen by the gap
                 blow.strike(crew)
             until = since + blow.seconds
             time.sleep(max(until - time.monotonic(), 0.0))

@@ -16,7 +16,7 @@ from typing import IO, Self
 from bench.bench import BenchError
 from bench.echo.load import ROLES, Part, arguments
 from bench.echo.side import SPARE, Measured, await_event
-from bench.others.watching import ARRIVALS, read_arrivals
+from bench.others.watching import ARRIVALS, PLACE, read_arrivals
 from bench.ticks import DONE, GO, PATIENCE, SETTLE
 from bench.usage import Meter
 
@@ -44,6 +44,7 @@ class Crew:
         self._players: dict[str, subprocess.Popen[bytes]] = {}
         self.env = {key: text for key, text in os.environ.items() if key != "PYTHONPATH"}
         self.env["PATH"] = f"{python.parent}{os.pathsep}{self.env.get('PATH', '')}"
+        self.env[PLACE] = str(self.place)
         os.mkfifo(self.place / "said")
         # opened for both, so that it neither waits for who writes nor ends when that one does
         self._said: IO[bytes] = os.fdopen(os.open(self.place / "said", os.O_RDWR), "rb", 0)
@@ -85,10 +86,13 @@ class Crew:
         """Run a command until it succeeds, and raise `BenchError` if it never does."""
         until = time.monotonic() + patience
         while True:
-            done = subprocess.run(
-                command, cwd=self.place, env=self.env, capture_output=True, timeout=patience,
-                check=False,
-            )  # fmt: skip
+            try:
+                done = subprocess.run(
+                    command, cwd=self.place, env=self.env, capture_output=True, timeout=patience,
+                    check=False,
+                )  # fmt: skip
+            except subprocess.TimeoutExpired:
+                raise BenchError(f"{' '.join(command[-4:])}: no end in {patience:g} s") from None
             if done.returncode == 0:
                 return
             if time.monotonic() > until:
@@ -143,7 +147,10 @@ class Crew:
         ready = self.wait_for_all() - SETTLE
         meter = Meter(self.pids)
         done = await_event(self._said, DONE, 3 * self.seconds + SPARE)
-        return Measured(done, meter.usage(), ready)
+        try:
+            return Measured(done, meter.usage(), ready)
+        except OSError as error:
+            raise BenchError(f"a process died while it was measured: {error}") from error
 
     def wait_for_all(self) -> float:
         """Wait until all have answered, `SETTLE` longer if it is measured; return how long [s]."""

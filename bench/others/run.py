@@ -16,8 +16,9 @@ _LONGEST = 300  # [s]
 def main() -> None:
     """Be the part that the command line names, in the folder where its run's processes meet."""
     from bench.echo.load import be_plant, part_of
-    from bench.others.watching import be_watched_plant
+    from bench.others.watching import PLACE, be_watched_plant
 
+    os.chdir(os.environ[PLACE])  # some systems start processes elsewhere
     module, how, *words = sys.argv[1:]
     part = part_of(words)
     sys.setswitchinterval(0.0005)  # [s], as in our processes

@@ -11,8 +11,10 @@ from typing import NamedTuple
 from bench.echo.load import AGENTS, Heard, Part
 from bench.ticks import GO, Beat, say
 
+PLACE = "MSMA_BENCH_PLACE"
+"""The environment variable with the folder in which a run's processes meet."""
 ARRIVALS = "arrivals"
-"""The file, in the folder of a run, of a line for each command: its role and when it came."""
+"""The file in that folder of a line for each command: its role and when it came."""
 
 
 def be_watched_plant(part: Part, tell: Callable[[int], None], heard: Heard) -> None:

@@ -85,11 +85,11 @@ def test_all_sides_are_asked_in_turn_from_either_end() -> None:
 def test_who_cannot_follow_is_not_asked_again_and_what_failed_is_told(
     asked: list[tuple[str, float]], tmp_path: Path
 ) -> None:
-    bench = OthersBench(rates={17: 1.0, 500: 1.0}, rounds=2)
+    bench = OthersBench(rates={17: 1.0, 500: 1.0}, rounds=3)
     result = bench.measure(1.0, Watch())
     assert [side for side, _ in asked].count("SPADE") == 1
-    assert asked.count(("dora-rs", 500.0)) == 1
-    assert asked.count((PLAIN, 500.0)) == 2
+    assert asked.count(("dora-rs", 500.0)) == 2, "what comes to nothing is tried again once"
+    assert asked.count((PLAIN, 500.0)) == 3
     notes = " ".join(result.notes)
     assert "Cyclone DDS could not be had: it is not there." in notes
     assert "dora-rs at 500 Hz: it said nothing." in notes
