@@ -128,8 +128,13 @@ class Crew:
     @property
     def pids(self) -> Mapping[str, int]:
         """Return the processes that there are, of roles and of servers, the newest by name."""
-        servers = {name: process.pid for name, process in self.servers.items()}
-        return {**dict(self._pids_of_roles()), **servers}
+        found = dict(self._pids_of_roles())
+        played = set(found.values())  # a daemon's children may be those
+        for name, process in self.servers.items():
+            found[name] = process.pid
+            helpers = [pid for pid in _children(process.pid) if pid not in played]
+            found |= {f"{name}, helper {n}": pid for n, pid in enumerate(helpers, 1)}
+        return found
 
     def kill(self, name: str) -> None:
         """SIGKILL the process of a role, or a server."""
@@ -168,6 +173,15 @@ class Crew:
     def arrivals(self) -> dict[str, list[float]]:
         """Return when commands of each role came [s, monotonic]."""
         return read_arrivals(self.place / ARRIVALS)
+
+
+def _children(pid: int) -> list[int]:
+    """Return the processes that the main thread of a process has started, where that is known."""
+    try:
+        text = Path(f"/proc/{pid}/task/{pid}/children").read_text(encoding="ascii")
+    except OSError:
+        return []
+    return [int(word) for word in text.split()]
 
 
 def _end(process: subprocess.Popen[bytes] | None) -> None:

@@ -66,16 +66,16 @@ def _cost(runs: Sequence[Measured]) -> list[str]:
         used = [sum(run.usage[name].cpu for name in names) / len(names) for run in runs]
         return f"{100 * median(used):.1f} %"
 
-    servers = [name for name in runs[0].usage if name not in ROLES]
+    servers = [
+        [usage.cpu for name, usage in run.usage.items() if name not in ROLES] for run in runs
+    ]
     every = [sum(usage.pss for usage in run.usage.values()) for run in runs]
     one = [run.usage[role].pss for run in runs for role in AGENTS]
     return [
-        str(len(runs[0].usage)),
+        f"{median(len(run.usage) for run in runs):g}",
         cpu(ROLES[:1]),
         cpu(AGENTS),
-        f"{100 * median(sum(run.usage[name].cpu for name in servers) for run in runs):.1f} %"
-        if servers
-        else "none",
+        f"{100 * median(map(sum, servers)):.1f} %" if any(servers) else "none",
         f"{median(run.cores for run in runs):.2f}",
         f"{median(one) / 1e6:.0f}",
         f"{median(every) / 1e6:.0f}",
