@@ -1,6 +1,6 @@
 """The agent of the mobile platform."""
 
-from typing import Annotated, NamedTuple
+from typing import Annotated
 
 import numpy as np
 
@@ -20,37 +20,12 @@ from agents.arithmetic import (
     within,
 )
 from agents.deadlock import Deadlock
+from agents.scene import COURSE_SPEED, FAR, Scene, level
 from agents.sight import Perception, Sight
+from agents.towing import Towing
 from agents.turning import wrapped
 from plant.kinematics import Kinematics
 from plant.robot import Drive
-
-Parts = tuple[Array, Array, Array]
-
-
-class Scene(NamedTuple):
-    """What the platform sees at one moment; each is (...), or x, y and z of that, in the world.
-
-    hand, drift: where the hand is, as seen from the axle on the floor [m], and how it moves [m/s]
-    missing: the way from the hand to the goal [m]
-    going: how the goal moves [m/s]
-    heading, ahead: where the platform faces [rad], and x and y of that direction
-    linear, angular: its own speeds [m/s], [rad/s]
-    carried: how far ahead of its axle it carries the hand [m]
-    off, speed: how far off the goal is [m], and how fast it goes [m/s], both seen from above
-    """
-
-    hand: Parts
-    drift: Parts
-    missing: Parts
-    going: Parts
-    heading: Array
-    ahead: tuple[Array, Array]
-    linear: Array
-    angular: Array
-    carried: Array
-    off: Array
-    speed: Array
 
 
 class PlatformAgent(Agent):
@@ -66,7 +41,8 @@ class PlatformAgent(Agent):
        arm at a comfortable reach, as a person walks up to a book instead of stretching for it.
        This is bounded in acceleration, so that it costs the hand no more than a millimetre or so
        and the person beside the robot sees smooth, foreseeable moves. Where turning does not
-       serve the hand, lining up is all the steering, and brisker (`_steering`).
+       serve the hand, lining up is all the steering, and brisker (`Scene.steering`); a hand
+       that it carries behind its axle it tows (`Towing`).
     4. *Leave deadlocks*: when it turns and the arm turns back, and the hand gets no nearer, it
        stops turning for a cycle and lets the arm go first (`Deadlock`).
     """
@@ -127,6 +103,7 @@ class PlatformAgent(Agent):
         self._elapsed = Elapsed(body.period, self._horizon)
         self._hand_motion, self._motion = SeenVelocity(), SeenVelocity()
         self._heading: Array | None = None
+        self._towing = Towing(self._drive.max_linear)
         self._deadlock = Deadlock()
 
     def decide(self, percepts: Percepts) -> Array | None:
@@ -140,18 +117,26 @@ class PlatformAgent(Agent):
             return None
         self.perception = "blackboard" if view.certain else "localiser"
         scene = self._scene(percepts.t, view.hand, percepts.base, percepts.goal)
-        linear, angular = self._bring_nearer(scene)
-        lined_linear, lined_angular, top = self._line_up(scene)
-        steering = _steering(scene)
-        lined_angular = lined_angular * (1 + BRISK * steering)
-        elapsed = self._elapsed.at(percepts.t)
-        ease_linear = self._ease_linear * elapsed
-        ease_angular = self._ease_angular * elapsed * (1 + 2 * BRISK * steering)
-        linear = linear + within(lined_linear - scene.linear, ease_linear)
-        angular = angular + within(lined_angular - scene.angular, ease_angular)
+        linear, angular = self._speeds(self._elapsed.at(percepts.t), scene)
         waits = self._waits(percepts.t, scene)
-        angular = where(waits, 0.0, within(angular, self._drive.max_angular))
-        return joined(lesser(greater(linear, 0.0), top), angular)
+        return joined(linear, where(waits, 0.0, within(angular, self._drive.max_angular)))
+
+    def _speeds(self, elapsed: float, scene: Scene) -> tuple[Array, Array]:
+        """Return the speeds that its behaviours come to, the higher before the lower."""
+        linear, angular = self._bring_nearer(scene)
+        eased_linear, eased_angular, top = self._line_up(scene)
+        brisk = 1 + BRISK * scene.steering
+        towed_linear, towed_angular = self._towing.speeds(elapsed, scene)
+        towing = Towing.share(scene)
+        linear = _mixed(linear, towed_linear, towing)
+        eased_linear = _mixed(eased_linear, towed_linear, towing)
+        eased_angular = _mixed(eased_angular * brisk, towed_angular, towing)
+        top = _mixed(top, self._drive.max_linear, towing)
+        ease_linear = self._ease_linear * elapsed
+        ease_angular = self._ease_angular * elapsed * (2 * brisk - 1)
+        linear = linear + within(eased_linear - scene.linear, ease_linear)
+        angular = angular + within(eased_angular - scene.angular, ease_angular)
+        return lesser(greater(linear, 0.0), top), angular
 
     def _scene(self, t: float, hand: Array, base: Array, goal: Goal) -> Scene:
         x, y, told = parts(base)
@@ -172,8 +157,9 @@ class PlatformAgent(Agent):
             linear=linear_x * ahead[0] + linear_y * ahead[1],
             angular=angular,
             carried=(hand_x - x) * ahead[0] + (hand_y - y) * ahead[1],
-            off=_level(missing),
-            speed=_level(going),
+            aside=(hand_y - y) * ahead[0] - (hand_x - x) * ahead[1],
+            off=level(missing),
+            speed=level(going),
         )
 
     def _bring_nearer(self, scene: Scene) -> tuple[Array, Array]:
@@ -188,7 +174,7 @@ class PlatformAgent(Agent):
         goal_y = scene.hand[1] + scene.missing[1] + scene.going[1] * self._horizon
         advance = (goal_x - hand_x) * scene.ahead[0] + (goal_y - hand_y) * scene.ahead[1]
         turn = arctan2(hand_x * goal_y - hand_y * goal_x, hand_x * goal_x + hand_y * goal_y)
-        turn_gain = (1 - _steering(scene)) * self._turn_gain.after(turn)
+        turn_gain = (1 - scene.steering) * self._turn_gain.after(turn)
         return (
             scene.linear + self._advance_gain.after(advance) * advance / self._horizon,
             scene.angular + turn_gain * turn / self._horizon,
@@ -204,23 +190,23 @@ class PlatformAgent(Agent):
         arm_x = scene.hand[0] - (ahead_x * root_x - ahead_y * root_y)
         arm_y = scene.hand[1] - (ahead_y * root_x + ahead_x * root_y)
         arm_z = scene.hand[2] - root_z
-        level = sqrt(arm_x * arm_x + arm_y * arm_y)
-        off_reach = sqrt(level * level + arm_z * arm_z) - self._reach
+        far = level((arm_x, arm_y, arm_z))
+        off_reach = sqrt(far * far + arm_z * arm_z) - self._reach
         # where to go, seen from above [m]: along the hand's travel as far as a steering platform
         # must look ahead, to what is missing, and to where the arm has a comfortable reach
         lead = greater(-1.5 * scene.carried, LEAD) / greater(scene.speed, COURSE_SPEED)
-        ease = lesser(greater(off_reach, 0.0), LEAD) / greater(level, NEAR_ROOT)
+        ease = scene.in_front * lesser(greater(off_reach, 0.0), LEAD) / greater(far, NEAR_ROOT)
         way_x = lead * scene.going[0] + scene.missing[0] + ease * arm_x
         way_y = lead * scene.going[1] + scene.missing[1] + ease * arm_y
         weight = lesser(sqrt(way_x * way_x + way_y * way_y) / LEAD, 1.0)
         course = arctan2(way_y, way_x) - scene.heading
         bearing = arctan2(arm_y, arm_x) - scene.heading - self._bearing
-        arms = ARM_WEIGHT * _in_front(scene)
+        arms = ARM_WEIGHT * scene.in_front
         turn = arctan2(
             weight * sin(course) + arms * sin(bearing), weight * cos(course) + arms * cos(bearing)
         )
         linear = scene.speed * weight * cos(course) + self._hurry * off_reach * cos(bearing)
-        facing = lesser(greater(cos(course), 0.0) + 1 - _far(scene), 1.0)
+        facing = lesser(greater(cos(course), 0.0) + 1 - scene.far, 1.0)
         top = self._drive.max_linear * facing
         return lesser(greater(linear, 0.0), top), self._turning * turn, top
 
@@ -236,38 +222,15 @@ class PlatformAgent(Agent):
         return waits & (scene.off < FAR)
 
 
-LEAD = 0.15  # [m] how far along the hand's travel a steering platform looks, at the least
-COURSE_SPEED = 0.05  # [m/s] from which the goal's travel counts in full
+LEAD = 0.13  # [m] how far along the hand's travel a steering platform looks, at the least
 NEAR_ROOT = 0.05  # [m] from the arm's root within which the arm points nowhere
 ARM_WEIGHT = 0.4  # of where the arm points, beside where the hand has to go
-FRONT = 0.3  # [m] ahead of the axle from which turning serves the hand in full
-FAR = 0.3  # [m] from the goal, seen from above, from which it is driven to
-BRISK = 9.0  # times as briskly does it line up where turning does not serve the hand
+BRISK = 14.0  # times as briskly does it line up where turning does not serve the hand
 
 
-def _in_front(scene: Scene) -> Array:
-    """Return how far (...), 0 to 1, the platform carries the hand in front of it."""
-    return lesser(greater(scene.carried / FRONT, 0.0), 1.0)
-
-
-def _far(scene: Scene) -> Array:
-    """Return how far off (...), 0 to 1, the goal is: more than the arm alone is to make up for."""
-    return lesser(scene.off / FAR, 1.0)
-
-
-def _steering(scene: Scene) -> Array:
-    """Return how much (...), 0 to 1, the platform steers as a car instead of serving the hand.
-
-    It does so when the goal is far, and when it leads on a hand that is carried beside or behind
-    the axle: that goes the wrong way first when the platform turns, as a trailer does.
-    """
-    leads_on = lesser(scene.speed / COURSE_SPEED, 1.0)
-    return greater((1 - _in_front(scene)) * leads_on, _far(scene))
-
-
-def _level(vector: Parts) -> Array:
-    """Return the length (...) seen from above."""
-    return sqrt(vector[0] * vector[0] + vector[1] * vector[1])
+def _mixed(one: Array, other: Array | float, share: Array) -> Array:
+    """Return the one (...), with a share of the other, 0 to 1, in its place."""
+    return one + share * (other - one)
 
 
 def _velocity(seen: SeenVelocity, t: float, place: Array) -> Array:

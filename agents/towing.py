@@ -1,0 +1,70 @@
+"""How a platform leads a hand that it carries behind its axle."""
+
+from math import exp
+
+from agents.agent import Array
+from agents.arithmetic import arctan2, cos, greater, lesser, sin
+from agents.scene import Scene
+
+
+class Towing:
+    """Drives as one who tows: past the goal, and on so that the hand comes to it from behind.
+
+    A hand behind the axle swings out when the platform turns towards the goal, and a platform that
+    made up for it would end facing the other way, which is only good for going backwards. So it
+    does not look at the hand, but at where its own axle will be once it faces where the goal
+    goes, with the hand carried as now; it drives to that line and keeps to it, looking a little
+    ahead (pure pursuit; Coulter 1992). To the person beside the robot this is a cart that takes a
+    bend wide enough for what it draws, and never backs up.
+    """
+
+    BEGINS = 0.15  # [m] of the hand behind the axle from which it is towed and nothing else
+    LOOKS = 0.16  # [m] along the line, beyond the place abreast of which the axle is to be
+    TURNS = 1.1  # [rad/s] for each radian off that way
+    AGREES = 4.4  # [1/s] at which it takes on the goal's speed
+    CATCHES_UP = 8.0  # [1/s2] for each metre that it is behind its place
+    SETTLES = 0.2  # [s] in which it takes in that the arm carries the hand elsewhere
+
+    def __init__(self, top: float) -> None:
+        """Drive at most at `top` [m/s]."""
+        self._top = top
+        self._carried: tuple[Array, Array] | None = None
+
+    @classmethod
+    def share(cls, scene: Scene) -> Array:
+        """Return how much (...), 0 to 1, the hand is towed."""
+        behind = lesser(greater(-scene.carried / cls.BEGINS, 0.0), 1.0)
+        return behind * scene.led_on
+
+    def speeds(self, elapsed: float, scene: Scene) -> tuple[Array, Array]:
+        """Return linear (...) [m/s] and angular (...) [rad/s], `elapsed` [s] after the last."""
+        carried, aside = self._settled(elapsed, scene)
+        speed = greater(scene.speed, 1e-6)
+        on_x, on_y = scene.going[0] / speed, scene.going[1] / speed
+        # the place of the axle [m], as seen from where it is: along the goal's way, and beside it
+        place_x = scene.hand[0] + scene.missing[0] - (on_x * carried - on_y * aside)
+        place_y = scene.hand[1] + scene.missing[1] - (on_y * carried + on_x * aside)
+        along = place_x * on_x + place_y * on_y
+        beside = place_y * on_x - place_x * on_y
+        course = arctan2(on_y, on_x) + arctan2(beside, self.LOOKS + greater(along, 0.0))
+        off = course - scene.heading
+        slower = (scene.going[0] - scene.drift[0]) * on_x + (scene.going[1] - scene.drift[1]) * on_y
+        linear = scene.linear + elapsed * (self.AGREES * slower + self.CATCHES_UP * along)
+        return (
+            lesser(linear, greater(cos(off), 0.0) * self._top),
+            self.TURNS * arctan2(sin(off), cos(off)),
+        )
+
+    def _settled(self, elapsed: float, scene: Scene) -> tuple[Array, Array]:
+        """Return how far ahead and to the left (...) [m] the hand is carried, less its jitter.
+
+        Without this, platform and first joint would answer each other's every move.
+        """
+        now = scene.carried, scene.aside
+        before = now if self._carried is None else self._carried
+        share = 1 - exp(-elapsed / self.SETTLES)
+        self._carried = (
+            before[0] + share * (now[0] - before[0]),
+            before[1] + share * (now[1] - before[1]),
+        )
+        return self._carried
