@@ -1,12 +1,11 @@
 """What an agent learns while it acts: how eager to be, and how fast what it sees moves."""
 
-from math import exp
 from typing import cast
 
 import numpy as np
 
 from agents.agent import Array
-from agents.arithmetic import greater, lesser, sqrt, squared_length, where
+from agents.arithmetic import greater, lesser, where
 
 
 class EagerGain:
@@ -18,9 +17,9 @@ class EagerGain:
     gain grows. The sign rule is that of Riedmiller and Braun 1993 (RPROP).
     """
 
-    GROWTH = 1.85
-    CUT = 0.6
-    OVERSHOT = 0.4  # a change of sign that leaves less than this share is a good hit
+    GROWTH = 1.1
+    CUT = 0.5
+    OVERSHOT = 0.25  # a change of sign that leaves less than this share is a good hit
     SLOW = 0.5  # more than this share left is slow
 
     def __init__(self, start: float, most: float) -> None:
@@ -39,40 +38,6 @@ class EagerGain:
             factor = where(overshot, self.CUT, where(slow, self.GROWTH, 1.0))
             self._gain = lesser(greater(self._gain * factor, self._least), self._most)
         return self._gain
-
-
-class Insistence:
-    """Asks for more of what stays missing.
-
-    An error that every joint can mend is gone at once, or has changed its sign. One that no joint
-    can do much about by itself, as when the hand is straight ahead of the arm but too near, stays,
-    and each joint's own best turn is next to nothing though all together could do it. So what was
-    missing of late is added to what is missing now, half as much again at most: with as much again,
-    some arms with two joints locked swung to and fro for ever.
-    """
-
-    SHARE = 0.5
-    TINY = 1e-20  # [m2] so that nothing missing divides by something
-
-    def __init__(self, memory: float) -> None:
-        """Remember for about `memory` [s]."""
-        self._memory = memory
-        self._lasting: Array | None = None
-
-    def after(self, missing: Array, elapsed: float) -> Array:
-        """Return what to ask for on top of `missing` (..., 3) [m]: (..., 3) [m].
-
-        elapsed: time since the last time [s]
-        """
-        if self._lasting is None:
-            self._lasting = missing
-        else:
-            kept = exp(-elapsed / self._memory)
-            self._lasting = kept * self._lasting + (1 - kept) * missing
-        now, lasting = squared_length(missing), squared_length(self._lasting)
-        share = self.SHARE * sqrt(now / greater(greater(lasting, now), self.TINY))
-        more: Array = (share[..., None] if isinstance(share, np.ndarray) else share) * self._lasting
-        return more
 
 
 class Elapsed:

@@ -7,6 +7,7 @@ import numpy as np
 from agents.agent import REST, Agent, AgentError, Array, Body, Joints, Percepts
 from agents.arithmetic import plain, within
 from agents.by_eye import LineByEye
+from agents.even import EvenLineByModel
 from agents.laws import Law, LineByModel, Own, StepByEye, StepByModel
 from agents.sight import Perception, Sight
 
@@ -21,7 +22,7 @@ class JointAgent(Agent):
         self,
         body: Body,
         *,
-        law: Literal["line", "fixed-step"] = "line",
+        law: Literal["line", "even-line", "fixed-step"] = "line",
         perception: Perception = "auto",
         gain: float = 0.45,
         horizon: Annotated[float, "s"] = 0.12,
@@ -31,12 +32,13 @@ class JointAgent(Agent):
     ) -> None:
         """Become the agent of one joint.
 
-        law: relaxed line minimisation (`LineByModel`, `LineByEye`) or the paper's fixed step
+        law: relaxed line minimisation (`LineByModel`, `LineByEye`), the same with an even part for
+            all joints where there is a model (`EvenLineByModel`), or the paper's fixed step
         perception: see `Sight`
-        gain: of `line`, with a model: share of the best turn made, to begin with; it adapts
-        horizon: of `line`: how far ahead it looks [s]; at least one and a half control periods
-        memory: of `line`, with a model: time in which a motion that nothing asks for dies [s]
-        bend: of `line`, with a model: how far off straight it stays if it can [rad]; see `Bend`
+        gain: of the lines, with a model: share of the best turn made, to begin with; it adapts
+        horizon: of the lines: how far ahead it looks [s]; at least one and a half control periods
+        memory: of the lines, with a model: time in which a motion that nothing asks for dies [s]
+        bend: of the lines, with a model: how far off straight it stays if it can [rad]; see `Bend`
         step: of `fixed-step` [rad] a control period
 
         Raises `AgentError` when a value is out of its range.
@@ -57,15 +59,16 @@ class JointAgent(Agent):
         self.rest = REST * horizon
         self._by_model: Law
         self._by_eye: Law
-        if law == "line":
-            self._by_model = LineByModel(
-                body, self._joint, gain=gain, horizon=horizon, memory=memory, bend=bend
-            )
-            self._by_eye = LineByEye(body, horizon=horizon, top_speed=self._top_speed)
-        else:
+        if law == "fixed-step":
             speed = step / body.period
             self._by_model = StepByModel(self._joint, speed=speed, period=body.period)
             self._by_eye = StepByEye(speed)
+        else:
+            line = LineByModel if law == "line" else EvenLineByModel
+            self._by_model = line(
+                body, self._joint, gain=gain, horizon=horizon, memory=memory, bend=bend
+            )
+            self._by_eye = LineByEye(body, horizon=horizon, top_speed=self._top_speed)
 
     def decide(self, percepts: Percepts) -> Array | None:
         """Return the joint's velocity (...) [rad/s]; None without a goal or a sight of the hand."""

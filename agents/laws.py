@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from agents.adaptation import EagerGain, Elapsed, Insistence, SeenVelocity
+from agents.adaptation import EagerGain, Elapsed, SeenVelocity
 from agents.agent import Array, Body, Goal
-from agents.arithmetic import greater, lesser, sqrt, squared_length, where, within
+from agents.arithmetic import sqrt, squared_length, where
 from agents.bend import Bend
 from agents.sight import View
 from agents.stops import Stops
@@ -48,29 +48,20 @@ class LineByModel(Law):
     in steady motion is followed without lag, and what others do, or fail to do, is made up for
     without knowing of it. The memory of its own motion fades, so that none lasts that serves
     nothing; it is the encoder that remembers, so what does not turn does not wind up.
-
-    All turn slowly when the hand is near its goal: those that have much to do would else go on at
-    full speed while the others wait for them. So all have a part in it till the end.
     """
 
     MOST = 0.85  # share of the best turn above which even a lone agent gains nothing
-    INSISTENCE = 1.5  # horizons for which what stays missing is remembered
-    NEAR = 0.2  # [m] from the goal where it begins to turn more slowly
-    LEAD = 1.0  # [s] of a moving goal's way that counts as distance there
-    LEAST = 0.2  # share of its top speed that it may always use, to make up for what others do
 
     def __init__(
         self, body: Body, joint: int, *, gain: float, horizon: float, memory: float, bend: float
     ) -> None:
         """Turn joint `joint` (from 0) of that body: see `JointAgent` for the rest."""
         self._joint = joint
-        self._top_speed = float(body.robot.max_speed[joint])
         self._stops = Stops(body.robot.lower[joint], body.robot.upper[joint])
         self._horizon = horizon
         self._memory = memory
         self._elapsed = Elapsed(body.period, horizon)
         self._gain = EagerGain(gain, max(gain, self.MOST))
-        self._insistence = Insistence(self.INSISTENCE * horizon)
         self._bend = Bend(bend)
         self._seen = SeenVelocity()
 
@@ -82,10 +73,9 @@ class LineByModel(Law):
         drift = self._seen.after(t, hand)
         ahead = hand if drift is None else hand + drift * self._horizon
         elapsed = self._elapsed.at(t)
-        place = goal.ahead(t, self._horizon)
         turn = best_turn(
             ahead,
-            place + self._insistence.after(place - ahead, elapsed),
+            self.aim(goal.ahead(t, self._horizon), ahead, elapsed),
             view.arm.points[..., self._joint, :],
             view.arm.axes[..., self._joint, :],
         )
@@ -93,11 +83,20 @@ class LineByModel(Law):
         kept = exp(-elapsed / self._memory)
         velocity = own.speed * kept + self._gain.after(turn) * turn / self._horizon
         distance = sqrt(squared_length(goal.at(t) - hand))
-        far = distance + self.LEAD * sqrt(squared_length(goal.velocity_at(t)))
-        most = self._top_speed * greater(sqrt(lesser(far / self.NEAR, 1.0)), self.LEAST)
-        velocity = within(velocity, most)
+        velocity = self.paced(t, velocity, goal, distance)
         bent = self._bend.limited(t, own.angle, velocity, distance)
         return where(abs(turn) > np.pi, velocity, bent)  # the long way leads past straight
+
+    def aim(self, place: Array, ahead: Array, elapsed: float) -> Array:
+        """Return where to bring the hand: to `place` (..., 3) [m], where the goal will be.
+
+        ahead: (..., 3) [m] where the hand would be by then; elapsed: [s] since this was asked last
+        """
+        return place
+
+    def paced(self, t: float, velocity: Array, goal: Goal, distance: Array) -> Array:
+        """Return at what velocity (...) [rad/s] to turn, `distance` (...) [m] from the goal."""
+        return velocity
 
 
 class StepByModel(Law):

@@ -200,7 +200,9 @@ def both(q: Array, goal: Array) -> list[tuple[Motion, Motion]]:
     robot = load("planar5")
     agents: dict[str, Agent] = {
         f"joint/{i + 1}": JointAgent(
-            Body(robot, i, PERIOD, np.random.default_rng(i)), perception="blackboard"
+            Body(robot, i, PERIOD, np.random.default_rng(i)),
+            law="even-line",
+            perception="blackboard",
         )
         for i in range(robot.n)
     }

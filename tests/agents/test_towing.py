@@ -10,9 +10,7 @@ from studies.mobile import ARPH, DURATION, msma, plant, task
 TOP = 0.3
 
 
-def scene(
-    *, carried: float, missing: tuple[float, float] = (0.0, 0.0), speed: float = 0.07
-) -> Scene:
+def scene(*, carried, missing=(0.0, 0.0), speed=0.07):
     """A platform at the origin that faces and drives along x, as the goal goes."""
     return Scene(
         hand=(carried, 0.0, 1.0),
@@ -34,23 +32,23 @@ def scene(
     ("carried", "speed", "share"), [(0.4, 0.07, 0.0), (-0.5, 0.07, 1.0), (-0.5, 0.0, 0.0)]
 )
 def test_only_a_hand_behind_the_axle_is_towed_and_only_after_a_goal_that_goes_on(
-    carried: float, speed: float, share: float
-) -> None:
+    carried, speed, share
+):
     assert Towing.share(scene(carried=carried, speed=speed)) == pytest.approx(share)
 
 
-def test_all_goes_on_as_it_is_when_the_hand_is_towed_along_the_path() -> None:
+def test_all_goes_on_as_it_is_when_the_hand_is_towed_along_the_path():
     linear, angular = Towing(TOP).speeds(0.06, scene(carried=-0.5))
     assert linear == pytest.approx(0.07)
     assert angular == pytest.approx(0.0)
 
 
-def test_the_platform_drives_past_a_goal_that_is_ahead_of_the_hand() -> None:
+def test_the_platform_drives_past_a_goal_that_is_ahead_of_the_hand():
     linear, _ = Towing(TOP).speeds(0.06, scene(carried=-0.5, missing=(0.3, 0.0)))
     assert 0.07 < linear <= TOP
 
 
-def test_it_turns_to_the_side_on_which_the_hand_is_missing_as_one_who_tows() -> None:
+def test_it_turns_to_the_side_on_which_the_hand_is_missing_as_one_who_tows():
     _, left = Towing(TOP).speeds(0.06, scene(carried=-0.5, missing=(0.0, 0.1)))
     _, right = Towing(TOP).speeds(0.06, scene(carried=-0.5, missing=(0.0, -0.1)))
     assert left > 0.1
@@ -58,8 +56,8 @@ def test_it_turns_to_the_side_on_which_the_hand_is_missing_as_one_who_tows() -> 
 
 
 @pytest.mark.parametrize("angle", [-170, 160])
-def test_a_hand_that_jams_behind_the_axle_in_mid_path_comes_back_to_it(angle: int) -> None:
+def test_a_hand_that_jams_behind_the_axle_in_mid_path_comes_back_to_it(angle):
     jam = Event(8.0, Fault.parse(f"joint/1:locked={angle}deg", ARPH))
-    trace = run(plant(), msma(), task().piece, DURATION, [jam])
+    trace = run(plant(), msma(), task().piece, DURATION, events=[jam])
     assert trace.error[-1] < 0.003
     assert (trace.base_velocity[:, 0] >= 0).all()

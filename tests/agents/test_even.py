@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from agents.adaptation import Insistence
+from agents.even import Insistence
 from agents.joint import JointAgent
 from studies.crew import PERIOD
 
@@ -37,7 +37,7 @@ def test_one_arm_insists_like_many():
 
 
 def test_a_joint_turns_slowly_when_the_hand_is_near(body, percepts):
-    agents = JointAgent(body(0)), JointAgent(body(0))
+    agents = [JointAgent(body(0), law="even-line") for _ in range(2)]
     near, far = (
         abs(float(agent.decide(percepts((0.0, away, 0.0), speeds=np.full(6, 0.8)))))
         for agent, away in zip(agents, (0.02, 0.5), strict=True)
