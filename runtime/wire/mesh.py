@@ -25,12 +25,14 @@ class Address(NamedTuple):
 class Place(NamedTuple):
     """Where a process listens (port 0: anywhere) and whom it dials.
 
+    rarely: whom it dials too, but not as often: most of these places are empty
     elsewhere: how many roles there are on other hosts than its own
     routers: if there are any, it connects to one of these instead, and to nobody else
     """
 
     listen: Address
     dials: tuple[Address, ...]
+    rarely: tuple[Address, ...] = ()
     elsewhere: int = 0
     routers: tuple[str, ...] = ()
 
@@ -66,8 +68,7 @@ class Mesh(NamedTuple):
         """
         before = self.addresses.index(home)
         same = (Address(address, self.base + slot) for address in self.addresses[:before])
-        dials = (*self._roles(len(self.homes)), *self._copies(slot), *same)
-        return self._place(home, slot, dials)
+        return self._place(home, slot, self._roles(len(self.homes)), (*self._copies(slot), *same))
 
     def visitor(self) -> Place:
         """Return the place of a tool, which dials all roles and copies and is dialled by none.
@@ -75,12 +76,15 @@ class Mesh(NamedTuple):
         Dialling 128 slots of which 10 answer costs it 0.1 s at the start and 2 % of a core, so it
         is worth knowing how many roles there are.
         """
-        dials = (*self._roles(len(self.homes)), *self._copies(SLOTS))
-        return Place(Address(LOOPBACK, 0), dials, self._elsewhere(LOOPBACK), self.routers)
+        dials, copies = self._roles(len(self.homes)), self._copies(SLOTS)
+        elsewhere = self._elsewhere(LOOPBACK)
+        return Place(Address(LOOPBACK, 0), dials, copies, elsewhere, self.routers)
 
-    def _place(self, home: str, slot: int, dials: tuple[Address, ...]) -> Place:
+    def _place(
+        self, home: str, slot: int, dials: tuple[Address, ...], rarely: tuple[Address, ...] = ()
+    ) -> Place:
         listen = Address(home, self.base + slot)
-        return Place(listen, dials, self._elsewhere(home), self.routers)
+        return Place(listen, dials, rarely, self._elsewhere(home), self.routers)
 
     def _roles(self, below: int) -> tuple[Address, ...]:
         homes = self.homes[:below]

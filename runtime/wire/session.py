@@ -34,6 +34,13 @@ _ACROSS = _Patience(lease=600, open=500, pause=200)
 """With other hosts a packet may be lost twice, which costs 0.4 s; to connect anew costs more."""
 
 
+_TLS_OPEN = 2000
+"""Certificates take a busy machine long to check, and to give up amid that may never be mended:
+Zenoh can then take a connection for there that is not, until one of the two processes ends."""
+_RARELY = 2000
+"""Pause [ms] at most before dialling anew where copies may be: 32 places of each host."""
+
+
 def config(robot: str | None, place: Place, credentials: Credentials | None = None) -> zenoh.Config:
     """Return the session's configuration, and set up the threads that it will have.
 
@@ -45,6 +52,7 @@ def config(robot: str | None, place: Place, credentials: Credentials | None = No
     protocol, encrypted, listed = "tcp", {}, {}
     if credentials is not None and robot is not None:
         protocol, encrypted = "tls", encryption(credentials)
+        patience = patience._replace(open=_TLS_OPEN)
         listed = {"access_control": access_list(robot, credentials.roles)}
     return zenoh.Config.from_json5(
         json.dumps(
@@ -53,7 +61,7 @@ def config(robot: str | None, place: Place, credentials: Credentials | None = No
                 "namespace": robot,
                 "listen": {"endpoints": [] if place.routers else [f"{protocol}/{place.listen}"]},
                 "connect": {
-                    "endpoints": [f"{protocol}/{there}" for there in place.routers or place.dials],
+                    "endpoints": _dials(protocol, place),
                     "retry": {
                         "period_init_ms": 100,
                         "period_max_ms": patience.pause,
@@ -77,6 +85,13 @@ def config(robot: str | None, place: Place, credentials: Credentials | None = No
             }
         )
     )
+
+
+def _dials(protocol: str, place: Place) -> list[str]:
+    if place.routers:
+        return [f"{protocol}/{there}" for there in place.routers]
+    often = [f"{protocol}/{there}" for there in place.dials]
+    return often + [f"{protocol}/{there}#retry_period_max_ms={_RARELY}" for there in place.rarely]
 
 
 _ONE_THREAD = (
