@@ -12,6 +12,7 @@ from runtime.processes.senses import Senses
 from runtime.wire import keys
 from runtime.wire.messages import JointCommand, PlatformCommand
 
+_BEHIND = 10  # states missed, less those that were not, from which on an agent rests
 _AT_ONCE = 16  # messages of one kind that are looked at before a decision, however many wait
 
 
@@ -59,10 +60,10 @@ class AgentLoop(Loop):
     def run(self) -> None:
         """React to the plant until the bus is closed.
 
-        To each of its states, as long as that can be done in time; where it can not, because others
+        To each of its states, as long as it keeps up with most; where it can not, because others
         need the processors, the agent rests after a decision for as long as the next is of no use.
         """
-        rested = True
+        rested, behind = True, 0
         while True:
             arrival = self._board.recv()
             now = time.monotonic()
@@ -74,10 +75,13 @@ class AgentLoop(Loop):
                 self._turn(now)
                 spent = time.monotonic() - now
                 self.work.add(spent)
+                if rested:  # and so has missed some, of course
+                    rested = False
+                    continue
                 missed = self._process.t - before > self._late
-                # after a rest it has missed some, of course: whether it keeps up is seen next time
-                rested = missed and not rested
-                if rested:
+                behind = min(behind + 1, _BEHIND) if missed else max(behind - 1, 0)
+                if missed and behind == _BEHIND:
+                    rested = True
                     time.sleep(max(self._agent.rest - spent, 0.0))
 
     def _turn(self, now: float) -> None:
