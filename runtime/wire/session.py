@@ -21,7 +21,8 @@ class _Patience(NamedTuple):
 
     lease: silence after which a connection is given up
     open, pause: to try to connect before trying anew, and to pause at most before that; a host
-        that is cut off does not refuse, so these say how soon it is found when it is back
+        that is cut off does not refuse, so these say how soon it is found when it is back, and
+        how long a session may take to close
     """
 
     lease: int
@@ -34,7 +35,7 @@ _ACROSS = _Patience(lease=600, open=500, pause=200)
 """With other hosts a packet may be lost twice, which costs 0.4 s; to connect anew costs more."""
 
 
-_TLS_OPEN = 2000
+_TLS_OPEN = 1000
 """Certificates take a busy machine long to check, and to give up amid that may never be mended:
 Zenoh can then take a connection for there that is not, until one of the two processes ends."""
 _RARELY = 2000
