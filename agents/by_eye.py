@@ -6,6 +6,7 @@ import numpy as np
 
 from agents.adaptation import SeenVelocity
 from agents.agent import Array, Body, Goal
+from agents.arithmetic import within
 from agents.laws import Law, Own
 from agents.sight import View
 from agents.watching import OwnColumn, OwnMotion, SteadyEye
@@ -15,13 +16,20 @@ class Told(NamedTuple):
     """What a model told at one moment.
 
     t: [s]; hand: (..., 3) [m]; speed: (...) of the joint, as commanded [rad/s]
-    column: (..., 3) what the hand does when the joint turns [m/rad]
+    axis, lever: (..., 3) of the joint, and from there to the hand [m]
     """
 
     t: float
     hand: Array
     speed: Array
-    column: Array
+    axis: Array
+    lever: Array
+
+    @property
+    def column(self) -> Array:
+        """What the hand does when the joint turns: (..., 3) [m/rad]; seldom asked for."""
+        column: Array = np.cross(self.axis, self.lever)
+        return column
 
 
 class LineByEye(Law):
@@ -73,8 +81,8 @@ class LineByEye(Law):
         if view.arm is None or (self._told and t - self._told[-1].t < 0.9 * self._window):
             return
         lever = view.arm.tip - view.arm.points[..., joint, :]
-        limited = np.minimum(np.maximum(speed, -self._top_speed), self._top_speed)
-        told = Told(t, view.hand, limited, np.cross(view.arm.axes[..., joint, :], lever))
+        limited = within(speed, self._top_speed)
+        told = Told(t, view.hand, limited, view.arm.axes[..., joint, :], lever)
         self._told = (*self._told[-1:], told)
 
     def _take_over(self, t: float) -> None:
