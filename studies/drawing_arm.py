@@ -87,7 +87,7 @@ def convergence(found: "Broken", file: Path) -> Path:
     axes[1].axvline(1, color="black", linewidth=0.8, linestyle=":")
     axes[1].set(xlabel="worst distance in the last second [mm]", ylabel="share of the goals [%]",
                 title="where it ends; dotted 1 mm")  # fmt: skip
-    for axis in axes:
-        axis.legend(fontsize=8)
+    axes[0].legend(fontsize=8, loc="upper right")
+    axes[1].legend(fontsize=8, loc="center left", bbox_to_anchor=(0.06, 0.5))
     figure.suptitle("Two of five joints broken, goals all over the reachable area")
     return save(figure, file)

@@ -23,7 +23,7 @@ def stages(found: Found, title: str, file: Path) -> Path:
         axis.plot(*found.goal, "*", color="black", markersize=13, label="goal")
         axis.set(title=f"{name}: {len(motion.q) - 2} steps to 5 mm",
                  xlabel="x [m]", ylabel="y [m]")  # fmt: skip
-        axis.legend(fontsize=8, loc="lower right")
+        axis.legend(fontsize=8, loc="best")
     for axis, name, motion in zip(axes[2:], NAMES, found.paper, strict=False):
         turned = np.degrees(np.abs(np.diff(motion.q, axis=0)).cumsum(axis=0))
         for i, (colour, dash) in enumerate(zip(FIVE, DASHES, strict=True)):
