@@ -24,6 +24,8 @@ from runtime.wire.messages import Diag, unpack
 from runtime.wire.ports import SLOTS, port_base
 
 ROOT = Path(__file__).parents[2]
+signal.signal(signal.SIGINT, signal.default_int_handler)
+# A shell that has pytest in the background ignores it, and all that is started here would too.
 T = TypeVar("T")
 
 

@@ -2,6 +2,7 @@
 
 import getpass
 import os
+import pwd
 import shutil
 import signal
 import socket
@@ -27,6 +28,7 @@ pytestmark = [
     pytest.mark.timeout(90),
 ]
 FILE = "arph-hosts.yaml"
+HOME = Path(pwd.getpwuid(os.getuid()).pw_dir)  # as sshd knows it, whatever HOME says here
 
 
 @pytest.fixture
@@ -56,7 +58,7 @@ def robot(robot: Robot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iter
     wrapper.chmod(0o755)
     monkeypatch.setenv("PATH", f"{place}/bin{os.pathsep}{os.environ['PATH']}")
     robot.environment["PATH"] = os.environ["PATH"]
-    before = sorted(Path.home().glob("runs/*"))
+    before = sorted(HOME.glob("runs/*"))
     server = subprocess.Popen([str(SSHD), "-D", "-e", "-f", place / "server"], stderr=-1)
     try:
         wait_for(lambda: _listens(port), "the ssh server")
@@ -65,7 +67,7 @@ def robot(robot: Robot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iter
     finally:
         server.kill()
         server.communicate()
-    assert sorted(Path.home().glob("runs/*")) == before
+    assert sorted(HOME.glob("runs/*")) == before
 
 
 def _listens(port: int) -> bool:
@@ -125,10 +127,10 @@ def test_without_its_launcher_the_run_goes_to_its_end(robot: Robot) -> None:
     launcher.wait()
     assert len(processes(robot)) >= 9
     wait_for(lambda: not processes(robot), "all to end by themselves", timeout=20.0)
-    (plant,) = Path.home().glob(f"runs/robot/{robot.name}-*/plant.jsonl")
+    (plant,) = HOME.glob(f"runs/robot/{robot.name}-*/plant.jsonl")
     assert '"reason": "the run is over"' in plant.read_text().splitlines()[-1]
     for name in ("robot", "arm", "base"):
-        (left,) = Path.home().glob(f"runs/{name}/{robot.name}-*")
+        (left,) = HOME.glob(f"runs/{name}/{robot.name}-*")
         shutil.rmtree(left)
         with suppress(OSError):
             left.parent.rmdir()
