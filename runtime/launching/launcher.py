@@ -224,8 +224,9 @@ class Launcher:
         self._there = {by: row.role for by, row in there.items()}
 
     def _note_end(self, ended: Ended) -> None:
-        if ended.role in self._starting and ended.code:
+        if ended.role in self._starting and ended.code > 0:  # who is killed did start
             raise RunError(f"{ended.role} did not start: {ended.said or ended.how}")
+        self._starting.discard(ended.role)
         if ended.code:
             self._happened(f"{ended.role} {ended.how}", pid=ended.pid, code=ended.code)
 
