@@ -4,6 +4,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from matplotlib.axis import Axis
+from matplotlib.ticker import FormatStrFormatter, LogLocator, NullLocator
+
 from studies.drawing import COLOURS, DASHES, save, sheet
 
 
@@ -17,6 +20,7 @@ def answer_times(curves: Mapping[str, Mapping[str, Sequence[float]]], file: Path
         for (name, curve), colour, dash in zip(sides.items(), COLOURS, DASHES, strict=False):
             axis.plot([1e3 * each for each in curve], range(101), dash, color=colour, label=name)
         axis.set(xscale="log", xlabel="answer time [ms]", title=rate)
+        _plain_numbers(axis.xaxis)
     panels[0].set(ylabel="share of the answers [%]")
     panels[0].legend(fontsize=7)
     return save(figure, file)
@@ -44,5 +48,14 @@ def growth(sides: Mapping[str, Sequence[Mapping[str, Any]]], file: Path) -> Path
         right.plot(joints, times, dash, color=colour, marker="o", label=name)
     left.set(xlabel="joints", ylabel="all processes [cores]", xscale="log", yscale="log")
     right.set(xlabel="joints", ylabel="answers, 99th percentile [ms]", xscale="log")
+    for axis in (left.xaxis, left.yaxis, right.xaxis):
+        _plain_numbers(axis)
     right.legend(fontsize=7)
     return save(figure, file)
+
+
+def _plain_numbers(axis: Axis) -> None:
+    """Label a logarithmic axis with few numbers, written out."""
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axis.set_minor_locator(NullLocator())
+    axis.set_major_formatter(FormatStrFormatter("%g"))
