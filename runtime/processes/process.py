@@ -26,6 +26,7 @@ from runtime.processes.places import join, run_of_others
 from runtime.wire import keys
 from runtime.wire.bus import BusError
 from runtime.wire.fields import Spread
+from runtime.wire.lingering import let_go
 from runtime.wire.messages import Diag, pack, stamp
 from runtime.wire.refusals import Refusals
 from runtime.wire.strangers import Strangers
@@ -150,6 +151,7 @@ class Process:
         rate = Rate(time.monotonic())
         looks = 0
         while not self.ending.wait(_CHECK):
+            let_go()
             now = time.monotonic()
             if self.life and self.life.over(now):
                 self.ending.ask("the run is over")
