@@ -7,10 +7,11 @@ from typing import NamedTuple
 
 from runtime.launching.roster import Roster, Row
 from runtime.wire import keys
-from runtime.wire.bus import Answer, Bus, Ring
+from runtime.wire.bus import Answer, Bus
 from runtime.wire.ear import Ear
 from runtime.wire.fields import MessageError, Numbers
-from runtime.wire.messages import Diag, GoalMessage, HandPose, M, unpack
+from runtime.wire.goal_ear import GoalEar
+from runtime.wire.messages import Diag, GoalMessage, HandPose, unpack
 from runtime.wire.refusals import Refusals
 
 _FRESH = 1.0  # [s] for which a hand that is no longer told is still shown
@@ -47,8 +48,9 @@ class Watcher:
         self._worst: float | None = None
         refusals = Refusals()
         self._hand = Ear(keys.HAND, HandPose, _FRESH, refusals)
-        self._goal = Ear(keys.GOAL, GoalMessage, _FRESH, refusals)
-        self._hands, self._goals = bus.ring(keys.HAND, _AT_ONCE), bus.ring(keys.GOAL, _AT_ONCE)
+        self._goal = GoalEar(_FRESH, refusals)
+        self._hands = bus.ring(keys.HAND, _AT_ONCE)
+        self._goals = [bus.ring(key, _AT_ONCE) for key in keys.GOALS]
         bus.watch_alive(self._on_token)
         bus.listen(keys.EVERY_DIAG, self._on_diag)
 
@@ -84,14 +86,17 @@ class Watcher:
     def look(self) -> View:
         """Return what is to be seen now."""
         now = time.monotonic()
-        _take(self._hands, self._hand, now)
-        _take(self._goals, self._goal, now)
+        for arrival in self._hands.waiting(_AT_ONCE):
+            self._hand.take(arrival.data, now)
+        for goals in self._goals:
+            for arrival in goals.waiting(_AT_ONCE):
+                self._goal.take(arrival.key, arrival.data, now)
         pose, told = self._hand.fresh(now), self._goal.obeyed(now)
         goal = error = None
         if pose is not None:
             self._t = pose.t
         if told is not None:
-            goal = goal_at(told.message, self._t)
+            goal = goal_at(told, self._t)
         if pose is not None and goal is not None:
             error = math.dist(pose.position, goal)
             self._worst = max(self._worst or 0.0, error)
@@ -107,11 +112,6 @@ class Watcher:
     def fault(self, text: str, timeout: float = 1.0) -> list[Answer]:
         """Ask the plant for a fault in its text form, such as `joint/1:locked`."""
         return self._bus.ask(keys.FAULT, text.encode(), timeout)
-
-
-def _take(ring: Ring, ear: Ear[M], now: float) -> None:
-    for arrival in ring.waiting(_AT_ONCE):
-        ear.take(arrival.data, now)
 
 
 def goal_at(goal: GoalMessage, t: float) -> Numbers:

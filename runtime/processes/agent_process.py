@@ -45,8 +45,10 @@ class AgentLoop(Loop):
         self._senses = Senses(deployment.description.robot, fresh, process.refusals)
         self._late = 1.5 * deployment.period
         self._board = bus.ring(_board(agent.sees))
-        others = {"goal": keys.GOAL, "base": keys.PLATFORM}
-        self._others = [bus.ring(key) for sense, key in others.items() if sense in agent.sees]
+        others = {"goal": keys.GOALS, "base": (keys.PLATFORM,)}
+        self._others = [
+            bus.ring(key) for sense in others if sense in agent.sees for key in others[sense]
+        ]
         command = keys.PLATFORM_COMMAND
         if self._joint is not None:
             command = keys.joint_command(self._joint + 1)

@@ -11,6 +11,7 @@ from plant.faults import Fault
 from plant.simulator import Simulator
 from runtime.processes.answers import Answers
 from runtime.processes.ending import FAILED
+from runtime.processes.goal_keeping import GoalKeeper
 from runtime.processes.orders import EXPRESSIONS, Orders
 from runtime.processes.pacer import Pacer
 from runtime.processes.process import Loop, Process
@@ -55,6 +56,7 @@ class PlantLoop(Loop):
         self._answers = answers or Answers(self._period)
         self._teller = Teller(process.bus, self._simulator)
         self._truth = Truth(self._simulator)
+        self._goal = GoalKeeper(process.bus, process.refusals)
         self._faults: deque[Fault] = deque()
         self._tray = process.bus.tray(*EXPRESSIONS)
         process.bus.answer(keys.FAULT, self._on_fault)
@@ -105,6 +107,7 @@ class PlantLoop(Loop):
         self._process.t = self._simulator.step(commands).t
         self._answers.told(self._process.t, time.monotonic())
         self._teller.tell()
+        self._goal.keep(now)
         self._note_truth(ages)
 
     def _take_orders(self, now: float) -> bool:

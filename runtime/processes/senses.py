@@ -11,6 +11,7 @@ from runtime.wire import keys
 from runtime.wire.bus import Arrival
 from runtime.wire.ear import Ear
 from runtime.wire.fields import MessageError
+from runtime.wire.goal_ear import GoalEar
 from runtime.wire.messages import GoalMessage, HandPose, JointStates, PlatformPose
 from runtime.wire.refusals import Reason, Refusals
 
@@ -40,7 +41,7 @@ class Senses:
         self._hand = Ear(keys.HAND, HandPose, fresh, refusals)
         self._joints = Ear(keys.JOINTS, JointStates, fresh, refusals, of_this_robot)
         self._base = Ear(keys.PLATFORM, PlatformPose, fresh, refusals)
-        self._goal = Ear(keys.GOAL, GoalMessage, fresh, refusals)
+        self._goal = GoalEar(fresh, refusals)
         self._hands: deque[HandPose] = deque(maxlen=_KEPT)
         self._states: deque[JointStates] = deque(maxlen=_KEPT)
         self._bases: deque[PlatformPose] = deque(maxlen=_KEPT)
@@ -61,8 +62,8 @@ class Senses:
                 return seen and self._joints.fresh(now) is None
             case keys.PLATFORM:
                 _keep(self._base.take(arrival.data, now), self._bases)
-            case keys.GOAL:
-                self._goal.take(arrival.data, now)
+            case keys.GOAL | keys.KNOWN_GOAL:
+                self._goal.take(arrival.key, arrival.data, now)
             case stranger:
                 self._refusals.count_unknown(stranger)
         return False
@@ -88,10 +89,9 @@ class Senses:
 
     def _goal_in_force(self, now: float) -> Goal | None:
         """A goal does not go stale: it stands still from its `until` on."""
-        heard = self._goal.obeyed(now)
-        if heard is None:
+        message = self._goal.obeyed(now)
+        if message is None:
             return None
-        message = heard.message
         if self._goal_known is None or self._goal_known[0] is not message:
             goal = Goal(
                 np.array(message.position),

@@ -23,6 +23,9 @@ BLACKBOARD = "arm/*"
 PLATFORM = "platform/pose"
 PLATFORM_COMMAND = "platform/cmd"
 GOAL = "goal"
+KNOWN_GOAL = "goal/known"
+"""What the plant last heard of the goal, told again for who comes after its source has gone."""
+GOALS = (GOAL, KNOWN_GOAL)
 FAULT = "ctl/plant/fault"
 EVERYBODY_ALIVE = "alive/**"
 EVERY_DIAG = "diag/**"
@@ -97,7 +100,7 @@ def told_by(role: str) -> tuple[str, ...]:
     if number:
         return (joint_command(int(number)),)
     return {
-        PLANT: (HAND, JOINTS, PLATFORM),
+        PLANT: (HAND, JOINTS, PLATFORM, KNOWN_GOAL),
         GOAL_SOURCE: (GOAL,),
         PLATFORM_AGENT: (PLATFORM_COMMAND,),
     }[name]
@@ -118,4 +121,5 @@ _KINDS: dict[str, type[Message]] = {
     PLATFORM: PlatformPose,
     PLATFORM_COMMAND: PlatformCommand,
     GOAL: GoalMessage,
+    KNOWN_GOAL: GoalMessage,
 }

@@ -65,6 +65,31 @@ def test_each_is_killed_once_the_launcher_first_and_the_hand_gets_there(robot: R
     assert not np.isnan(record.age[-1]).any(), "every motor is told what to do again"
 
 
+ALL_OTHERS = ROLES[1:]
+ONE_BY_ONE = {role: 5.0 + 1.3 * i for i, role in enumerate(ALL_OTHERS)}
+
+
+@pytest.mark.parametrize(
+    ("loss", "losses", "duration"),
+    [
+        ("--kill=goal@3", ONE_BY_ONE, "18s"),
+        ("--hang=goal@3", dict.fromkeys(ALL_OTHERS, 4.0), "12s"),
+    ],
+    ids=["killed, each after the other", "hung, all at once"],
+)
+def test_who_starts_after_the_goal_s_source_was_lost_learns_of_the_goal(
+    robot: Robot, loss: str, losses: dict[str, float], duration: str
+) -> None:
+    options = [loss]
+    for role, at in losses.items():
+        options += [f"--kill={role}@{at:g}", f"--revive={role}@{at + 0.9:g}"]
+    code, said = robot.run("--speed", "3", "--duration", duration, *options)
+    assert code == 0, said
+    for role in losses:
+        assert len(robot.log(role, "start")) == 2
+    assert final_error(robot) < 0.003
+
+
 def test_who_hangs_to_the_end_is_ended_by_the_launcher_s_heir(robot: Robot) -> None:
     robot.run("--speed", "3", "--duration", "6s", "--hang", "joint/5@1", "--kill", "launcher@2")
     wait_for(lambda: not robot.processes(), "all to end", timeout=30.0)

@@ -4,7 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from runtime.wire import keys
-from runtime.wire.messages import Diag, HandPose, JointCommand
+from runtime.wire.messages import Diag, GoalMessage, HandPose, JointCommand
 
 ROLES = ["plant", "goal", "platform", "joint/1", "joint/12", "launcher"]
 
@@ -41,6 +41,7 @@ def test_the_blackboard_holds_what_the_plant_tells_of_the_arm_and_no_commands() 
 def test_each_key_has_its_kind_of_message() -> None:
     assert keys.kind_of(keys.HAND) is HandPose
     assert keys.kind_of(keys.joint_command(3)) is JointCommand
+    assert {keys.kind_of(key) for key in keys.GOALS} == {GoalMessage}
     assert keys.kind_of(keys.diag("joint/3")) is Diag
     assert keys.kind_of("arm/joint/x/cmd") is None
     assert keys.kind_of("weather") is None

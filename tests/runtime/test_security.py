@@ -19,7 +19,7 @@ from tests.runtime.conftest import _free_ports, wait_for
 ROLES = ("plant", "goal", "joint/1", "joint/2", "platform")
 NAMES = names(ROLES)
 PUTS = {
-    "plant": {keys.HAND, keys.JOINTS, keys.PLATFORM},
+    "plant": {keys.HAND, keys.JOINTS, keys.PLATFORM, keys.KNOWN_GOAL},
     "goal": {keys.GOAL},
     "joint/1": {keys.joint_command(1)},
     "joint/2": {keys.joint_command(2)},

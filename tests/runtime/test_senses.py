@@ -67,6 +67,14 @@ def test_all_that_is_fresh_is_perceived(agent: Agent) -> None:
     assert percepts.goal.at(2.5) == pytest.approx(np.array([1.0, 2.0, 3.2]))
 
 
+def test_a_newcomer_perceives_the_goal_that_the_plant_knows(agent: Agent) -> None:
+    agent.hears(STATES, at=10.0)
+    assert not agent.senses.take(Arrival(keys.KNOWN_GOAL, pack(GOAL._replace(n=1))), 10.0)
+    goal = agent.sees(10.1).goal
+    assert goal is not None
+    assert goal.at(2.5) == pytest.approx([1.0, 2.0, 3.2])
+
+
 def test_what_is_stale_is_not_perceived(agent: Agent) -> None:
     agent.hears(STATES, at=10.0)
     agent.hears(POSE, at=10.3)

@@ -1,0 +1,38 @@
+"""The plant's memory of the goal: it outlives the goal's source, as the plant outlives all."""
+
+import math
+
+from runtime.wire import keys
+from runtime.wire.bus import Bus
+from runtime.wire.ear import Ear
+from runtime.wire.messages import GoalMessage
+from runtime.wire.refusals import Refusals
+
+_PAUSE = 0.1  # [s] between two words: who is started again has waited for longer than that
+_AT_ONCE = 8  # messages that are looked at, however many came
+
+
+class GoalKeeper:
+    """Tells again what was last heard of the goal, whoever told it and however long ago.
+
+    It is told as it was heard, with the plant time at which that was said, so that who knows
+    better will not mind. An agent that is started again after the goal's source was lost has
+    nobody else to learn it from: the other agents may have been lost too, and lead no goal.
+    """
+
+    def __init__(self, bus: Bus, refusals: Refusals) -> None:
+        self._ring = bus.ring(keys.GOAL, _AT_ONCE)
+        self._ear = Ear(keys.GOAL, GoalMessage, _PAUSE, refusals)
+        self._out = bus.publisher(keys.KNOWN_GOAL, urgent=False, express=False)
+        self._next = -math.inf
+
+    def keep(self, now: float) -> None:
+        """Listen and tell if it is time to, `now` [s]."""
+        if now < self._next:
+            return
+        self._next = now + _PAUSE
+        for arrival in self._ring.waiting(_AT_ONCE):
+            self._ear.take(arrival.data, now)
+        heard = self._ear.obeyed(now)
+        if heard is not None:
+            self._out.send(heard.message)
