@@ -7,6 +7,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 from runtime.config.deployment import Deployment
 from runtime.launching.launcher import Course, Happening
@@ -199,7 +200,23 @@ def _logged(deployment: Deployment, run: Path, record: Record | None) -> Iterato
             yield Happening(event["t"], f"fault {event['fault']}")
     for role, count in Counter(member.role for member in deployment.crew).items():
         for again in read_log(run, role, "start")[count:]:
-            yield Happening(record.t_at(again["wall"]), f"{role} was started again")
+            text = f"{role} was started again{_obeyed(run, record, again)}"
+            yield Happening(record.t_at(again["wall"]), text)
+
+
+def _obeyed(run: Path, record: Record, started: Mapping[str, Any]) -> str:
+    """Return how soon a process was obeyed: after it was called for, if the launcher did that."""
+    said = (e for e in record.events if e["event"] == "obeys" and e["by"] == started["by"])
+    obeyed = next(said, None)
+    if obeyed is None:
+        return ""
+    called = (
+        line["wall"]
+        for line in read_log(run, "launcher", "chaos")
+        if (line["action"], line["target"]) == ("revive", started["role"])
+    )
+    began = max((wall for wall in called if wall <= started["wall"]), default=started["wall"])
+    return f", obeyed after {obeyed['wall'] - began:.2f} s"
 
 
 def _processes(deployment: Deployment, run: Path, course: Course) -> list[ProcessSummary]:
