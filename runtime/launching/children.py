@@ -103,16 +103,19 @@ class Children:
     def __init__(self, run: Path) -> None:
         self.run = run
         self._living: list[tuple[Task, Child]] = []
+        self._outs: set[Path] = set()
 
     def start(self, crew: Iterable[Member]) -> None:
         """Start some processes, all at once."""
         tasks = [Task(role, self.run, host if copy else None) for role, host, copy in crew]
+        self._outs.update(task.out for task in tasks)
         self._living += zip(tasks, start_all(tasks), strict=True)
 
     def revive(self, role: str, home: str, *, copy: bool = False) -> int:
         """Start one more process for a role, and return its id; see `Crew`."""
         copy = copy or bool(logged(self.run, role))
         task = Task(role, self.run, home if copy else None)
+        self._outs.add(task.out)
         child = start(task)
         self._living.append((task, child))
         return child.pid
@@ -150,6 +153,6 @@ class Children:
 
     def tidy(self) -> None:
         """Remove the files of those who said nothing."""
-        for path in self.run.glob("*.out"):
-            if path.stat().st_size == 0:
-                path.unlink()
+        for out in self._outs:
+            if out.exists() and out.stat().st_size == 0:
+                out.unlink()

@@ -3,11 +3,13 @@
 import json
 import shlex
 import signal
+import socket
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from runtime.wire.mesh import LOOPBACK
 from tests.runtime.conftest import ROOT, Robot, wait_for
 
 FILE = str(ROOT / "deploy" / "arph.yaml")
@@ -80,6 +82,16 @@ def test_a_campaign_that_cannot_be_starts_nothing(
     assert done.stderr.count("\n") == 1
     assert says in done.stderr
     assert not (robot.folder / "runs").exists()
+
+
+def test_a_run_that_fails_is_told_with_the_reason(robot: Robot) -> None:
+    with socket.create_server((LOOPBACK, 0)) as other:
+        port = other.getsockname()[1]
+        taken = ("--set", f"port={port}")
+        done = robot.msma("chaos", FILE, "--robot", robot.name, *SHORT, *taken, "--runs", "1")
+    assert done.returncode == 1, done.stdout + done.stderr
+    assert f"port {port} of {LOOPBACK} is taken" in done.stdout
+    assert robot.processes() == {}
 
 
 def test_an_interrupted_campaign_reports_what_was_done_and_leaves_no_process(robot: Robot) -> None:
