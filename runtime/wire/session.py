@@ -31,7 +31,7 @@ class _Patience(NamedTuple):
 
 
 _AT_HOME = _Patience(lease=250, open=1000, pause=500)
-_ACROSS = _Patience(lease=600, open=500, pause=200)
+_ACROSS = _Patience(lease=600, open=500, pause=100)
 """With other hosts a packet may be lost twice, which costs 0.4 s; to connect anew costs more."""
 
 
