@@ -1,11 +1,10 @@
 """The processes of a deployment of ours as one side of a comparison."""
 
 import tempfile
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from bench.echo.side import Measured, module, run
+from bench.echo.side import Measured, run
 from bench.places import free_port
 from runtime.config.deployment import Deployment, load
 from runtime.config.overrides import Override
@@ -38,25 +37,17 @@ def deployed(file: Path, *overrides: str) -> Deployment:
     return load(file, made)
 
 
-def run_ours(
-    deployment: Deployment,
-    seconds: float,
-    around: Callable[[list[str]], Sequence[str]] = lambda command: command,
-) -> OurRun:
-    """Start all processes of a deployment and measure for `seconds` [s].
-
-    around: wraps each command, such as with `nice`
-    """
+def run_ours(deployment: Deployment, seconds: float) -> OurRun:
+    """Start all processes of a deployment and measure for `seconds` [s]."""
     with tempfile.TemporaryDirectory(prefix="msma-bench-") as place:
         folder = Path(place)
         file = folder / "deployment.yaml"
         file.write_text(deployment.dump(), encoding="utf-8")
         said = folder / "said"
-        commands = {keys.PLANT: around(module("bench.probe", str(file), place, f"{seconds:g}"))}
+        commands = {keys.PLANT: ["bench.probe", str(file), place, f"{seconds:g}"]}
         for role in deployment.roles:
             if role != keys.PLANT:
-                words = ("agent", str(file), role, "--run", place)
-                commands[role] = around(module("runtime.cli", *words))
+                commands[role] = ["runtime.cli", "agent", str(file), role, "--run", place]
         measured = run(commands, seconds, errors=said)
         record = read_record(folder)
     assert deployment.goal is not None

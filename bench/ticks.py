@@ -90,6 +90,7 @@ class Ticks:
 
         ticks: how many were told; missed: how many were due and not told
         in_time: how many were answered by all within the period; answered: by all, at any time
+        by_role: how many each answered within the period; heard: at any time
         times: quantiles of all answers' times: p50, p99, p999, worst; curve: at each percent
         """
         told = [index for index in range(self._count) if self._told[index] == self._told[index]]
@@ -104,6 +105,10 @@ class Ticks:
             "answered": sum(time < math.inf for time in slowest),
             "by_role": {
                 role: sum(took[index] <= self._period for index in told)
+                for role, took in self._took.items()
+            },
+            "heard": {
+                role: sum(took[index] == took[index] for index in told)
                 for role, took in self._took.items()
             },
             "times": {

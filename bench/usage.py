@@ -26,6 +26,14 @@ class Usage:
     threads: int
 
 
+def lives(pid: int) -> bool:
+    """Tell whether a process has not ended yet, whether or not anybody has asked how it did."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] not in "ZX"
+    except OSError:
+        return False
+
+
 def cpu_seconds(pid: int) -> float:
     """Return how long a process has computed [s], in user's and the system's code."""
     fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()

@@ -8,13 +8,14 @@ import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
 
 from bench.bench import BenchError
+from bench.echo.nursery import BORN
 from bench.ticks import DONE, GO, PATIENCE, SETTLE
-from bench.usage import Meter, Usage
+from bench.usage import Meter, Usage, lives
 
 ROOT = Path(__file__).parents[2]
 _LOOK = 0.5  # [s]
@@ -67,64 +68,41 @@ def module(name: str, *words: str, python: str = sys.executable) -> list[str]:
     return [python, "-P", "-m", name, *words]
 
 
-@dataclass
-class Running:
-    """Processes that were started, by role; the first is the one that measures."""
-
-    processes: dict[str, subprocess.Popen[bytes]] = field(default_factory=dict)
-
-    @property
-    def pids(self) -> dict[str, int]:
-        """Their ids, by role."""
-        return {role: process.pid for role, process in self.processes.items()}
-
-    def end(self) -> None:
-        """Kill what still runs, and wait for it."""
-        for process in self.processes.values():
-            if process.poll() is None:
-                process.kill()
-        for process in self.processes.values():
-            process.wait()
-            if process.stdout is not None:
-                process.stdout.close()
-
-
 def run(
     commands: Mapping[str, Sequence[str]],
     seconds: float,
-    env: Mapping[str, str] | None = None,
     errors: Path | None = None,
 ) -> Measured:
     """Start a process for each role, let the first measure for `seconds` [s], and end them all.
 
-    commands: by role; the first one, the plant, prints what `Ticks` says
+    commands: by role, a module of ours and the words that its `main` finds on the command line;
+        the first one, the plant, prints what `Ticks` says
     errors: the file that takes what they complain of; by default nobody hears it
 
     Raises `BenchError` if it comes to nothing, with what the measuring one said.
     """
-    env = environment() if env is None else env
-    running = Running()
     began = time.monotonic()
-    with ExitStack() as stack:
-        stack.callback(running.end)
-        ears = stack.enter_context((errors or Path(os.devnull)).open("ab"))
-        for role, command in commands.items():
-            running.processes[role] = subprocess.Popen(
-                command,
-                stdin=subprocess.DEVNULL,
-                stdout=subprocess.DEVNULL if running.processes else subprocess.PIPE,
-                stderr=ears,
-                env=dict(env),
-            )
-        first = next(iter(commands))
-        out = running.processes[first].stdout
-        assert out is not None
-        await_event(out, GO, PATIENCE + SPARE)
+    with (errors or Path(os.devnull)).open("ab") as ears, ExitStack() as stack:
+        nursery = subprocess.Popen(
+            module("bench.echo.nursery"),
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=ears,
+            env=environment(),
+        )
+        stack.enter_context(nursery)
+        assert nursery.stdin is not None
+        assert nursery.stdout is not None
+        nursery.stdin.write(json.dumps([*commands.values()]).encode() + b"\n")
+        nursery.stdin.flush()
+        born = await_event(nursery.stdout, BORN, SPARE)["pids"]
+        pids = dict(zip(commands, born, strict=True))
+        await_event(nursery.stdout, GO, PATIENCE + SPARE)
         ready = time.monotonic() - began - SETTLE
-        meter = Meter(running.pids)
-        done = await_event(out, DONE, 1.5 * seconds + SPARE)
-        for role, process in running.processes.items():
-            if process.poll() is not None:
+        meter = Meter(pids)
+        done = await_event(nursery.stdout, DONE, 1.5 * seconds + SPARE)
+        for role, pid in pids.items():
+            if not lives(pid):
                 raise BenchError(f"{role} ended while it was measured: {commands[role]}")
         return Measured(done, meter.usage(), ready)
 

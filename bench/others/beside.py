@@ -206,7 +206,7 @@ def _checks(found: Found) -> Iterator[Check]:
             told = min(
                 run.ticks["ticks"] / (run.ticks["ticks"] + run.ticks["missed"]) for run in kept
             )
-            silent = {role for run in kept for role, n in run.ticks["by_role"].items() if not n}
+            silent = {role for run in kept for role, n in run.ticks["heard"].items() if not n}
             text = f"{100 * told:.1f} % of the ticks told, " + (
                 f"silent: {', '.join(sorted(silent))}" if silent else "all answer"
             )

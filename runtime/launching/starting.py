@@ -121,10 +121,15 @@ def start_all(tasks: Sequence[Task]) -> list[Child]:
     """
     if not _is_single():
         return [start(task) for task in tasks]
-    for module in _NEEDED:
-        import_module(module)
+    import_all()
     gc.freeze()  # so that collecting garbage does not make the copies' memory their own
     return [_fork(task) for task in tasks]
+
+
+def import_all() -> None:
+    """Import what any process of a robot needs, so that its copies need not."""
+    for module in _NEEDED:
+        import_module(module)
 
 
 def _is_single() -> bool:

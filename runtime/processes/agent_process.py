@@ -2,6 +2,7 @@
 
 import time
 import traceback
+from collections.abc import Sequence
 from math import isfinite
 
 import numpy as np
@@ -10,9 +11,12 @@ from agents.agent import Agent, Array
 from runtime.processes.process import Loop, Process
 from runtime.processes.senses import Senses
 from runtime.wire import keys
+from runtime.wire.arrival import Arrival
 from runtime.wire.messages import JointCommand, PlatformCommand
 
-_BEHIND = 10  # states missed, less those that were not, from which on an agent rests
+_BEHIND = 10  # states missed, less those that were not, from which on an agent rests; and
+_FOR = 0.1  # [s] of them at least, so that one that was held up once does not
+_PAUSE = 0.1  # of a period, without which a state has waited for the agent
 _AT_ONCE = 16  # messages of one kind that are looked at before a decision, however many wait
 
 
@@ -44,7 +48,10 @@ class AgentLoop(Loop):
         fresh = freshness(deployment.period, deployment.speed)
         self._senses = Senses(deployment.description.robot, fresh, process.refusals)
         self._late = 1.5 * deployment.period
-        self._board = bus.ring(_board(agent.sees))
+        self._most_behind = max(_BEHIND, round(_FOR * deployment.speed / deployment.period))
+        self._pause = _PAUSE * deployment.period / deployment.speed
+        self._done = self._rests_until = 0.0
+        self._paused, self._rested, self._behind = False, True, 0
         others = {"goal": keys.GOALS, "base": (keys.PLATFORM,)}
         self._others = [
             bus.ring(key) for sense in others if sense in agent.sees for key in others[sense]
@@ -53,6 +60,7 @@ class AgentLoop(Loop):
         if self._joint is not None:
             command = keys.joint_command(self._joint + 1)
         self._out = bus.publisher(command)
+        self._board = bus.reflex(_board(agent.sees), self._perceive)
 
     @property
     def perception(self) -> str:
@@ -60,31 +68,44 @@ class AgentLoop(Loop):
         return str(self._agent.perception)
 
     def run(self) -> None:
-        """React to the plant until the bus is closed.
+        """React to the plant until the bus is closed."""
+        self._board.run()
 
-        To each of its states, as long as it keeps up with most; where it can not, because others
-        need the processors, the agent rests after a decision for as long as the next is of no use.
+    def _perceive(self, arrivals: Sequence[Arrival]) -> None:
+        """Take what came, and decide if it calls for that.
+
+        It decides on each of the plant's states, as long as it keeps up with most; where it can
+        not, because others need the processors, it rests after a decision for as long as the next
+        is of no use.
         """
-        rested, behind = True, 0
-        while True:
-            arrival = self._board.recv()
-            now = time.monotonic()
-            due = self._senses.take(arrival, now)
-            for arrival in self._board.waiting(_AT_ONCE):
+        now = time.monotonic()
+        self._paused = self._paused or now - self._done > self._pause
+        due = False
+        if now >= self._rests_until:
+            for arrival in arrivals:
                 due = self._senses.take(arrival, now) or due
-            if due:
-                before = self._process.t
-                self._turn(now)
-                spent = time.monotonic() - now
-                self.work.add(spent)
-                if rested:  # and so has missed some, of course
-                    rested = False
-                    continue
-                missed = self._process.t - before > self._late
-                behind = min(behind + 1, _BEHIND) if missed else max(behind - 1, 0)
-                if missed and behind == _BEHIND:
-                    rested = True
-                    time.sleep(max(self._agent.rest - spent, 0.0))
+        if due:
+            self._due(now, len(arrivals) == 1 and not self._paused)
+            self._paused = False
+        self._done = time.monotonic()
+
+    def _due(self, now: float, waited: bool) -> None:
+        """Decide, or rest; `waited`: the state was there before the last decision was made."""
+        if self._rested and waited:
+            return  # there is a newer one
+        before = self._process.t
+        self._turn(now)
+        spent = time.monotonic() - now
+        self.work.add(spent)
+        if self._rested:  # and so has missed some, of course
+            self._rested = False
+            return
+        missed = waited or self._process.t - before > self._late
+        self._behind = max(self._behind + (1 if missed else -1), 0)
+        if self._behind > self._most_behind:
+            self._behind = self._most_behind
+            self._rested = True
+            self._rests_until = now + self._agent.rest
 
     def _turn(self, now: float) -> None:
         for ring in self._others:

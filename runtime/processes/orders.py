@@ -7,7 +7,7 @@ from plant.hold import Hold
 from plant.motion import Commands
 from plant.robot import Robot
 from runtime.wire import keys
-from runtime.wire.bus import Arrival
+from runtime.wire.arrival import Arrival
 from runtime.wire.ear import Ear
 from runtime.wire.messages import JointCommand, PlatformCommand
 from runtime.wire.refusals import Reason, Refusals

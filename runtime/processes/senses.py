@@ -8,7 +8,7 @@ import numpy as np
 from agents.agent import Goal, Joints, Percepts
 from plant.robot import Robot
 from runtime.wire import keys
-from runtime.wire.bus import Arrival
+from runtime.wire.arrival import Arrival
 from runtime.wire.ear import Ear
 from runtime.wire.fields import MessageError
 from runtime.wire.goal_ear import GoalEar

@@ -5,34 +5,27 @@ Nothing here blocks a sender: what does not get through is dropped, for the next
 
 import math
 import time
-from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from types import TracebackType
 from typing import NamedTuple, Self
 
 import zenoh
-from zenoh.handlers import Callback, Handler, RingChannel
+from zenoh.handlers import Handler, RingChannel
 
 from plant.errors import MsmaError
 from runtime.wire import keys
+from runtime.wire.arrival import Arrival, arrival_of, data_of
+from runtime.wire.direct import Reflex, Tray, directly
 from runtime.wire.mesh import Place
-from runtime.wire.messages import LARGEST, Message, pack, stamp
+from runtime.wire.messages import Message, pack, stamp
 from runtime.wire.security import Credentials
 from runtime.wire.session import config
 
 _LINGER = 0.1  # [s] that an answer has to leave before the bus is closed: closing drops what waits
-_OVERSIZE = bytes(LARGEST + 1)  # stands for what is too large to be looked at
 
 
 class BusError(MsmaError, ConnectionError):
     """The bus cannot be joined, or is closed."""
-
-
-class Arrival(NamedTuple):
-    """What came: on which key, and the bytes."""
-
-    key: str
-    data: bytes
 
 
 class Answer(NamedTuple):
@@ -41,10 +34,6 @@ class Answer(NamedTuple):
     key: str
     data: bytes
     agreed: bool
-
-
-def _data(payload: zenoh.ZBytes) -> bytes:
-    return payload.to_bytes() if len(payload) <= LARGEST else _OVERSIZE
 
 
 class Publisher:
@@ -76,7 +65,7 @@ class Ring:
             sample = self._subscriber.recv()
         except zenoh.ZError as error:
             raise BusError(f"the bus is closed: {error}") from None
-        return Arrival(str(sample.key_expr), _data(sample.payload))
+        return arrival_of(sample)
 
     def waiting(self, most: int) -> Iterator[Arrival]:
         """Yield those that wait already, at most that many, so that a flood has an end."""
@@ -87,24 +76,7 @@ class Ring:
                 raise BusError(f"the bus is closed: {error}") from None
             if sample is None:
                 return
-            yield Arrival(str(sample.key_expr), _data(sample.payload))
-
-
-class Tray:
-    """What came lately, with the time of each arrival, for a loop that has a clock of its own."""
-
-    def __init__(self, depth: int) -> None:
-        self._items: deque[tuple[float, zenoh.Sample]] = deque(maxlen=depth)
-
-    def put(self, sample: zenoh.Sample) -> None:
-        """Take a sample from the bus's thread: it costs that thread next to nothing."""
-        self._items.append((time.monotonic(), sample))
-
-    def take(self) -> Iterator[tuple[float, Arrival]]:
-        """Yield what came until now, each with its time [s, monotonic], and forget it."""
-        for _ in range(len(self._items)):
-            arrived, sample = self._items.popleft()
-            yield arrived, Arrival(str(sample.key_expr), _data(sample.payload))
+            yield arrival_of(sample)
 
 
 class Bus:
@@ -128,6 +100,7 @@ class Bus:
         except zenoh.ZError as error:
             raise BusError(_why(robot, role, place, str(error))) from None
         self._token: zenoh.LivelinessToken | None = None
+        self._reflexes: list[Reflex] = []
         self._asked = -math.inf  # when somebody asked last [s, monotonic]
 
     def __enter__(self) -> Self:
@@ -144,6 +117,8 @@ class Bus:
     def close(self) -> None:
         """Leave the bus: a loop that waits for messages ends with `BusError`."""
         time.sleep(max(self._asked + _LINGER - time.monotonic(), 0.0))
+        for reflex in self._reflexes:
+            reflex.close()
         self._session.close()  # type: ignore[no-untyped-call] # an omission in zenoh's stubs
 
     def publisher(self, key: str, *, urgent: bool = True, express: bool = True) -> Publisher:
@@ -173,13 +148,20 @@ class Bus:
         """
         tray = Tray(depth)
         for expression in expressions:
-            self._session.declare_subscriber(expression, Callback(tray.put, indirect=False))
+            self._session.declare_subscriber(expression, directly(tray.put))
         return tray
+
+    def reflex(self, expression: str, react: Callable[[Sequence[Arrival]], None]) -> Reflex:
+        """Return what reacts to each message on a key expression, once it runs."""
+        reflex = Reflex(react)
+        self._session.declare_subscriber(expression, directly(reflex.put))
+        self._reflexes.append(reflex)
+        return reflex
 
     def listen(self, key: str, take: Callable[[str, bytes], None]) -> None:
         """Call `take` with key and bytes of each message, in a thread of the bus."""
         self._session.declare_subscriber(
-            key, lambda sample: take(str(sample.key_expr), _data(sample.payload))
+            key, lambda sample: take(str(sample.key_expr), data_of(sample.payload))
         )
 
     def announce(self, role: str) -> None:
@@ -205,7 +187,7 @@ class Bus:
 
         def on_query(query: zenoh.Query) -> None:
             self._asked = time.monotonic()
-            question = b"" if query.payload is None else _data(query.payload)
+            question = b"" if query.payload is None else data_of(query.payload)
             try:
                 query.reply(key, reply(question))
             except MsmaError as error:
@@ -225,9 +207,9 @@ class Bus:
         answers = []
         for reply in replies:
             if reply.ok is not None:
-                answers.append(Answer(str(reply.ok.key_expr), _data(reply.ok.payload), True))
+                answers.append(Answer(str(reply.ok.key_expr), data_of(reply.ok.payload), True))
             elif reply.err is not None:
-                answers.append(Answer(key, _data(reply.err.payload), False))
+                answers.append(Answer(key, data_of(reply.err.payload), False))
         return answers
 
 

@@ -20,7 +20,7 @@ from bench.echo.load import (
     part_of,
     tick_of,
 )
-from bench.echo.side import module, run
+from bench.echo.side import run
 from bench.loop import OURS, PLAIN, LoopBench
 from runtime.wire import keys
 from runtime.wire.messages import (
@@ -84,4 +84,4 @@ def test_both_sides_answer_and_are_weighed(tmp_path: Path) -> None:
 
 def test_a_side_whose_plant_ends_is_said_to_have_ended() -> None:
     with pytest.raises(BenchError, match="has ended"):
-        run({"plant": module("bench.no_such_module")}, 1.0)
+        run({"plant": ["bench.no_such_module"]}, 1.0)

@@ -48,6 +48,7 @@ def test_late_and_missing_answers_are_told_apart() -> None:
     assert told.done["answered"] == 9
     assert told.done["in_time"] == 8
     assert told.done["by_role"] == {"a": 9, "b": 9}
+    assert told.done["heard"] == {"a": 10, "b": 9}
     assert told.done["times"]["worst"] == pytest.approx(0.002)
 
 

@@ -6,7 +6,7 @@ import pytest
 from plant import urdf
 from runtime.processes.orders import Orders
 from runtime.wire import keys
-from runtime.wire.bus import Arrival
+from runtime.wire.arrival import Arrival
 from runtime.wire.messages import JointCommand, PlatformCommand, pack
 from runtime.wire.refusals import UNKNOWN_KEYS, Reason, Refusals
 

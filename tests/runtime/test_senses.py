@@ -5,7 +5,7 @@ from agents.agent import Percepts
 from plant import urdf
 from runtime.processes.senses import Senses
 from runtime.wire import keys
-from runtime.wire.bus import Arrival
+from runtime.wire.arrival import Arrival
 from runtime.wire.messages import (
     GoalMessage,
     HandPose,

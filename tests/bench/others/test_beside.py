@@ -30,7 +30,7 @@ def measured(time: float, in_time: int = 100) -> Measured:
             "missed": 0,
             "in_time": in_time,
             "answered": in_time,
-            "by_role": dict.fromkeys(AGENTS, in_time),
+            "heard": dict.fromkeys(AGENTS, in_time),
             "times": {"p50": time, "p99": 2 * time, "p999": 3 * time, "worst": 4 * time},
             "curve": [time] * 101,
         },

@@ -1,0 +1,26 @@
+"""What comes from the bus: a key and bytes, whatever the bus is made of."""
+
+from typing import NamedTuple
+
+import zenoh
+
+from runtime.wire.messages import LARGEST
+
+_OVERSIZE = bytes(LARGEST + 1)  # stands for what is too large to be looked at
+
+
+class Arrival(NamedTuple):
+    """What came: on which key, and the bytes."""
+
+    key: str
+    data: bytes
+
+
+def arrival_of(sample: zenoh.Sample) -> Arrival:
+    """Return what a sample holds."""
+    return Arrival(str(sample.key_expr), data_of(sample.payload))
+
+
+def data_of(payload: zenoh.ZBytes) -> bytes:
+    """Return the bytes of a payload, or as many as are certainly too many."""
+    return payload.to_bytes() if len(payload) <= LARGEST else _OVERSIZE

@@ -1,0 +1,107 @@
+"""Messages taken by the very thread that receives them, so that no other has to wake up for them.
+
+To wake a thread of Python's own, which then waits for the interpreter's lock, takes more time of
+the processors than most messages do. But the thread that receives does all of Zenoh's other work
+too, so what is done in it has to be short.
+"""
+
+import ctypes
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+
+import zenoh
+from zenoh.handlers import Callback
+
+from runtime.wire.arrival import Arrival, arrival_of
+
+_SHORT = 0.005  # [s] that the receiving thread may be kept; in a hundred, others would be missed
+_IN_A_ROW = 3  # turns that are longer, after which they are made elsewhere: one is an accident
+_AT_ONCE = 16  # messages that wait for a turn elsewhere, at most
+
+_thread = threading.local()
+
+
+def directly(take: Callable[[zenoh.Sample], None]) -> "Callback[zenoh.Sample]":
+    """Return the handler that calls `take` with each sample in the thread that receives it."""
+
+    def taken(sample: zenoh.Sample) -> None:
+        if not hasattr(_thread, "kept"):
+            # Python would make and drop all that it knows of a foreign thread with each message,
+            # which takes 20 us; but it counts who asks for it, and this is never given back
+            ctypes.pythonapi.PyGILState_Ensure()
+            _thread.kept = True
+        take(sample)
+
+    return Callback(taken, indirect=False)
+
+
+class Tray:
+    """What came lately, with the time of each arrival, for a loop that has a clock of its own."""
+
+    def __init__(self, depth: int) -> None:
+        self._items: deque[tuple[float, zenoh.Sample]] = deque(maxlen=depth)
+
+    def put(self, sample: zenoh.Sample) -> None:
+        """Take a sample from the bus's thread: it costs that thread next to nothing."""
+        self._items.append((time.monotonic(), sample))
+
+    def take(self) -> Iterator[tuple[float, Arrival]]:
+        """Yield what came until now, each with its time [s, monotonic], and forget it."""
+        for _ in range(len(self._items)):
+            arrived, sample = self._items.popleft()
+            yield arrived, arrival_of(sample)
+
+
+class Reflex:
+    """Reacts to messages in the thread that receives them, as long as that is short.
+
+    If it takes long several times in a row, all further reactions are left to the thread that
+    called `run`, each to all messages that wait by then, and the bus is not held up.
+
+    react: called with what came, the oldest first; never by two threads at once
+    """
+
+    def __init__(self, react: Callable[[Sequence[Arrival]], None]) -> None:
+        self._react = react
+        self._busy = threading.Lock()
+        self._awake = threading.Event()
+        self._waiting: deque[Arrival] = deque(maxlen=_AT_ONCE)
+        self._leaves = True  # it to the thread of `run`, which has not begun yet
+        self._long = 0
+        self._closed = False
+        self._error: Exception | None = None
+
+    def put(self, sample: zenoh.Sample) -> None:
+        """Take a sample from the bus's thread."""
+        if self._leaves:
+            self._waiting.append(arrival_of(sample))
+            self._awake.set()
+            return
+        with self._busy:
+            began = time.monotonic()
+            try:
+                self._react((arrival_of(sample),))
+            except Exception as error:  # it is the one who called `run` that has to hear of it
+                self._error = error
+                self._awake.set()
+            self._long = self._long + 1 if time.monotonic() - began > _SHORT else 0
+            self._leaves = self._long >= _IN_A_ROW
+
+    def run(self) -> None:
+        """Let it react until the bus is closed; raises what a reaction raises."""
+        self._leaves = False
+        while not self._closed:
+            self._awake.wait()
+            self._awake.clear()
+            if self._error is not None:
+                raise self._error
+            with self._busy:
+                if waiting := [self._waiting.popleft() for _ in range(len(self._waiting))]:
+                    self._react(waiting)
+
+    def close(self) -> None:
+        """Let `run` return."""
+        self._closed = True
+        self._awake.set()

@@ -1,0 +1,112 @@
+"""Messages taken by the thread that receives them, or by the loop's own where that takes long."""
+
+import random
+import threading
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack
+from typing import NamedTuple
+
+import pytest
+
+from runtime.wire import keys
+from runtime.wire.arrival import Arrival
+from runtime.wire.bus import Bus
+from runtime.wire.direct import Reflex
+from runtime.wire.mesh import on_loopback
+from runtime.wire.messages import JointCommand
+from tests.runtime.conftest import Crew, wait_for
+
+KEY = keys.joint_command(1)
+
+
+class Pair(NamedTuple):
+    """One process that sends, and one that reacts."""
+
+    here: Bus
+    there: Bus
+
+    def sends_until(self, look: Callable[[], bool], what: str) -> None:
+        """Send one message after another until `look` finds what it looks for."""
+        publisher = self.here.publisher(KEY)
+
+        def sent() -> bool:
+            publisher.send(JointCommand(1.0, 0.5))
+            return look()
+
+        wait_for(sent, what)
+
+
+@pytest.fixture
+def pair(crew: Crew) -> Iterator[Pair]:
+    mesh = on_loopback(crew.port, 2)
+    with ExitStack() as stack:
+        yield Pair(*[
+            stack.enter_context(
+                Bus(crew.robot, f"joint/{slot}", mesh.seat(slot), random.getrandbits(60))
+            )
+            for slot in range(2)
+        ])  # fmt: skip
+
+
+def begin(reflex: Reflex) -> threading.Thread:
+    thread = threading.Thread(target=reflex.run)
+    thread.start()
+    return thread
+
+
+def test_a_short_reaction_is_made_where_the_message_is_received(pair: Pair) -> None:
+    threads: list[int] = []
+    reflex = pair.there.reflex(KEY, lambda _: threads.append(threading.get_ident()))
+    thread = begin(reflex)
+    pair.sends_until(lambda: thread.ident not in threads[-1:] != [], "a reaction")
+    pair.there.close()
+    thread.join(5.0)
+    assert not thread.is_alive()
+
+
+def test_reactions_that_take_long_are_left_to_the_loop_and_each_takes_all_that_waits(
+    pair: Pair,
+) -> None:
+    came: list[tuple[int, int]] = []
+
+    def react(arrivals: Sequence[Arrival]) -> None:
+        came.append((threading.get_ident(), len(arrivals)))
+        time.sleep(0.05)  # what it does, and not a wait for anything
+
+    thread = begin(pair.there.reflex(KEY, react))
+    pair.sends_until(lambda: any(who == thread.ident and n > 1 for who, n in came), "a hand-over")
+    pair.there.close()
+    thread.join(5.0)
+    assert not thread.is_alive()
+
+
+def test_what_a_reaction_raises_reaches_the_loop(pair: Pair) -> None:
+    def react(_: Sequence[Arrival]) -> None:
+        raise ValueError("of its own")
+
+    reflex = pair.there.reflex(KEY, react)
+    raised: list[str] = []
+
+    def run() -> None:
+        try:
+            reflex.run()
+        except ValueError as error:
+            raised.append(str(error))
+
+    thread = threading.Thread(target=run)
+    thread.start()
+    pair.sends_until(lambda: not thread.is_alive(), "its end")
+    assert raised == ["of its own"]
+
+
+def test_nothing_is_reacted_to_before_the_loop_runs(pair: Pair) -> None:
+    ring = pair.there.ring(KEY)
+    threads: list[int] = []
+    reflex = pair.there.reflex(KEY, lambda _: threads.append(threading.get_ident()))
+    pair.sends_until(lambda: bool(list(ring.waiting(1))), "a message")
+    assert threads == []
+    thread = begin(reflex)
+    wait_for(lambda: threads[:1] == [thread.ident], "a reaction to what came before")
+    pair.there.close()
+    thread.join(5.0)
