@@ -13,6 +13,7 @@ from bench.bench import BenchError
 from bench.machine import Busy, describe
 from bench.registry import BENCHES, bench
 from bench.report import Report, page, tables, write
+from studies import verb
 from studies.study import Watch
 
 MISSED, NOT_DONE = 3, 1
@@ -21,31 +22,12 @@ MISSED, NOT_DONE = 3, 1
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the bench's name and where to write."""
-    parser.add_argument("name", help=f"which: {', '.join(BENCHES)}, or all")
-    parser.add_argument(
-        "--out", type=Path, default=Path("bench-out"), help="folder to write to (bench-out)"
-    )
-    parser.add_argument(
-        "--size", type=float, default=1.0, help="share of the time, for a quick look (1)"
-    )
-    parser.add_argument(
-        "--no-pictures", action="store_true", help="tables only; needs no matplotlib"
-    )
+    verb.add_arguments(parser, BENCHES, folder="bench-out", scaled="time")
 
 
 def run(args: argparse.Namespace) -> int:
     """Run one bench or all, print what they measured, and return the exit code."""
-    if not 0 < args.size <= 1:
-        raise BenchError(f"--size {args.size:g}: must be above 0 and at most 1")
-    names = list(BENCHES) if args.name == "all" else [args.name]
-    for name in names:
-        bench(name)  # so that a wrong name is told before anything is run
-    if not args.no_pictures:
-        _check_plots()
-    try:
-        args.out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise BenchError(f"--out {args.out}: {error.strerror or error}") from error
+    names = verb.prepare(args, BENCHES, bench, BenchError)
     reports = [one(name, args.out, args.size, pictures=not args.no_pictures) for name in names]
     if args.name == "all":
         (args.out / "bench.md").write_text(page(reports), encoding="utf-8")
@@ -66,15 +48,6 @@ def one(name: str, folder: Path, size: float, *, pictures: bool = True) -> Repor
     write(report, folder)
     _print(report, folder)
     return report
-
-
-def _check_plots() -> None:
-    try:
-        import matplotlib  # noqa: F401  # only whether it is there
-    except ModuleNotFoundError:
-        raise BenchError(
-            "pictures need matplotlib: pip install 'msma[plots]', or give --no-pictures"
-        ) from None
 
 
 def _show(what: str, done: float) -> None:

@@ -9,6 +9,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
+from studies import verb
 from studies.registry import STUDIES, study
 from studies.report import Report, cells, page, write
 from studies.study import StudyError, Watch
@@ -21,31 +22,12 @@ MISSED = 3
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the study's name and where to write."""
-    parser.add_argument("name", help=f"which: {', '.join(STUDIES)}, or all")
-    parser.add_argument(
-        "--out", type=Path, default=Path("studies-out"), help="folder to write to (studies-out)"
-    )
-    parser.add_argument(
-        "--size", type=float, default=1.0, help="share of the trials, for a quick look (1)"
-    )
-    parser.add_argument(
-        "--no-pictures", action="store_true", help="tables only; needs no matplotlib"
-    )
+    verb.add_arguments(parser, STUDIES, folder="studies-out", scaled="trials")
 
 
 def run(args: argparse.Namespace) -> int:
     """Run one study or all, print their tables, and return 3 when a bar was missed."""
-    if not 0 < args.size <= 1:
-        raise StudyError(f"--size {args.size:g}: must be above 0 and at most 1")
-    names = list(STUDIES) if args.name == "all" else [args.name]
-    for name in names:
-        study(name)  # so that a wrong name is told before anything is run
-    if not args.no_pictures:
-        _check_plots()
-    try:
-        args.out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise StudyError(f"--out {args.out}: {error.strerror or error}") from error
+    names = verb.prepare(args, STUDIES, study, StudyError)
     reports = [one(name, args.out, args.size, pictures=not args.no_pictures) for name in names]
     if args.name == "all":
         (args.out / "index.html").write_text(page(reports), encoding="utf-8")
@@ -68,15 +50,6 @@ def one(name: str, folder: Path, size: float, *, pictures: bool = True) -> Repor
     write(report, folder)
     _print(report, folder)
     return report
-
-
-def _check_plots() -> None:
-    try:
-        import matplotlib  # noqa: F401  # only whether it is there
-    except ModuleNotFoundError:
-        raise StudyError(
-            "pictures need matplotlib: pip install 'msma[plots]', or give --no-pictures"
-        ) from None
 
 
 def _print(report: Report, folder: Path) -> None:
