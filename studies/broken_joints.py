@@ -12,7 +12,7 @@ from plant.faults import Fault
 from plant.robot import Robot
 from plant.urdf import load
 from studies.crew import NEAR, Reached, reach
-from studies.reachable import Ring, grid, ring
+from studies.reachable import Ring, anywhere, flat, grid, ring
 from studies.study import Claim, Findings, Row, Study, Watch, share
 
 Perception = Literal["blackboard", "localiser"]
@@ -115,10 +115,19 @@ class BrokenJoints(Study[Found]):
         """Draw figure 6, and how the distance goes with the law and with the fixed step."""
         from studies.drawing_arm import convergence, two_broken
 
+        ends = {name: reached.settled for name, reached in found.paper.items()}
+        laws = {f"line, {name}": reached.history for name, reached in found.paper.items()}
+        fixed = {
+            f"fixed step {degrees:g} deg, blackboard": reached.history
+            for degrees, reached in found.fixed.items()
+        }
         return (
-            two_broken(found, folder / "broken-joints.png"),
-            convergence(found, folder / "broken-joints-steps.png"),
-        )
+            two_broken(
+                found.area, found.places, ends, found.samples, PAPER_BROKEN, TOLERANCE,
+                folder / "broken-joints.png",
+            ),
+            convergence(laws, fixed, folder / "broken-joints-steps.png"),
+        )  # fmt: skip
 
 
 def locked(broken: tuple[int, ...]) -> tuple[Fault, ...]:
@@ -133,7 +142,7 @@ def paper_case(
     start = np.broadcast_to(PAPER_START, (len(places), robot.n))
     steps = STEPS if law == "line" else 300
     return reach(
-        robot, start, _flat(places), steps=steps, faults=locked(PAPER_BROKEN), enough=ENOUGH,
+        robot, start, flat(places), steps=steps, faults=locked(PAPER_BROKEN), enough=ENOUGH,
         perception=perception, law=law, step=step,
     )  # fmt: skip
 
@@ -159,7 +168,7 @@ def ten_pairs(
         at_border = area.draw_at_border(rng, INTERIOR)
         place = np.where(edge[:, None], at_border, area.draw(rng, INTERIOR))
         reached = reach(
-            robot, q, _flat(place), steps=steps, faults=locked(broken), seed=number,
+            robot, q, flat(place), steps=steps, faults=locked(broken), seed=number,
             enough=ENOUGH, perception=perception,
         )  # fmt: skip
         near.append(reached.steps[~edge])
@@ -171,15 +180,10 @@ def ten_pairs(
 def nothing_broken(robot: Robot, perception: Perception, count: int) -> Reached:
     """Bring whole arms from anywhere to anywhere within reach."""
     rng = np.random.default_rng(60)
-    q = rng.uniform(-np.pi, np.pi, (count, robot.n))
-    place = ring(robot, q, ()).draw(rng, INTERIOR)
+    q, place = anywhere(robot, rng, count, INTERIOR)
     return reach(
-        robot, q, _flat(place), steps=600, seed=60, enough=ENOUGH, perception=perception
+        robot, q, place, steps=600, seed=60, enough=ENOUGH, perception=perception
     )  # fmt: skip
-
-
-def _flat(places: Array) -> Array:
-    return np.concatenate([places, np.zeros_like(places[:, :1])], axis=-1)
 
 
 def _samples(area: Ring, places: Array, q: Array) -> Array:

@@ -1,7 +1,7 @@
 """The pictures of the planar arm's studies."""
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -10,9 +10,7 @@ from matplotlib.patches import Annulus
 from agents.agent import Array
 from studies.drawing import BLUE, GREEN, ORANGE, RED, SKY, save, sheet
 from studies.md import arm_points
-
-if TYPE_CHECKING:
-    from studies.broken_joints import Found as Broken
+from studies.reachable import Ring
 
 LINK = 0.2
 """Of the planar arm [m]."""
@@ -37,22 +35,28 @@ def draw_arm(
     axis.plot(*points[-1], "x", color=colour, markersize=8, markeredgewidth=2, alpha=alpha)
 
 
-def two_broken(found: "Broken", file: Path) -> Path:
-    """Figure 6: the reachable area, what was reached of it, and three postures."""
-    from studies.broken_joints import PAPER_BROKEN, TOLERANCE
+def two_broken(
+    area: Ring, places: Array, ends: Mapping[str, Array], samples: Array, broken: tuple[int, ...],
+    tolerance: float, file: Path,
+) -> Path:  # fmt: skip
+    """Figure 6: the reachable area, what was reached of it, and three postures.
 
+    places: (N, 2) [m]; ends: by perception, (N,) how near the hands stayed [m]
+    samples: (3, n) postures [rad] of arms whose joints `broken` (from 0) are; tolerance: [m]
+    """
     figure, axes = sheet(11.0, 6.2, 1, 2)
-    for axis, (name, reached) in zip(axes, found.paper.items(), strict=True):
-        ok = reached.settled < TOLERANCE
-        axis.plot(*found.places[ok].T, ".", color=SKY, markersize=2,
-                  label=f"reached within 1 mm: {ok.sum()} of {ok.size}")  # fmt: skip
+    for axis, (name, end) in zip(axes, ends.items(), strict=True):
+        ok = end < tolerance
+        near = f"reached within {1e3 * tolerance:g} mm"
+        axis.plot(*places[ok].T, ".", color=SKY, markersize=2,
+                  label=f"{near}: {ok.sum()} of {ok.size}")  # fmt: skip
         if not ok.all():
-            axis.plot(*found.places[~ok].T, "x", color=RED, label=f"missed: {(~ok).sum()}")
-        outer, inner = float(found.area.outer), float(found.area.inner)
-        axis.add_patch(Annulus(tuple(found.area.centre), outer, outer - inner * 0.999,
+            axis.plot(*places[~ok].T, "x", color=RED, label=f"missed: {(~ok).sum()}")
+        outer, inner = float(area.outer), float(area.inner)
+        axis.add_patch(Annulus(tuple(area.centre), outer, outer - inner * 0.999,
                                facecolor="none", edgecolor="black", linewidth=1.2))  # fmt: skip
-        for colour, q in zip((BLUE, ORANGE, RED), found.samples, strict=True):
-            draw_arm(axis, q, colour, PAPER_BROKEN)
+        for colour, q in zip((BLUE, ORANGE, RED), samples, strict=True):
+            draw_arm(axis, q, colour, broken)
         axis.plot([], [], "s--", color=GREY, markerfacecolor="white", label="broken joint")
         axis.plot([], [], "o-", color=GREY, markerfacecolor="white", label="working joint")
         axis.set_aspect("equal")
@@ -63,16 +67,15 @@ def two_broken(found: "Broken", file: Path) -> Path:
     return save(figure, file)
 
 
-def convergence(found: "Broken", file: Path) -> Path:
-    """How the distance to the goal goes: our law, and the fixed step with its limit cycles."""
+def convergence(laws: Mapping[str, Array], fixed: Mapping[str, Array], file: Path) -> Path:
+    """How the distances (K, B) [m] to the goals go: our law, the fixed step with its limit cycles.
+
+    laws, fixed: by name, two of each
+    """
     figure, axes = sheet(10.0, 4.5, 1, 2)
-    cases = [
-        ("line, blackboard", found.paper["blackboard"].history, BLUE, "-"),
-        ("line, localiser", found.paper["localiser"].history, GREEN, "--"),
-    ]
-    for (degrees, reached), colour in zip(found.fixed.items(), (ORANGE, RED), strict=True):
-        cases.append((f"fixed step {degrees:g} deg, blackboard", reached.history, colour, ":"))
-    for name, history, colour, dash in cases:
+    looks = [(BLUE, "-"), (GREEN, "--"), (ORANGE, ":"), (RED, ":")]
+    cases = [*laws.items(), *fixed.items()]
+    for (name, history), (colour, dash) in zip(cases, looks, strict=True):
         shown = 1e3 * np.maximum(history[:301], 1e-6)
         steps = np.arange(len(shown))
         axes[0].semilogy(steps, np.median(shown, axis=1), color=colour, linestyle=dash, label=name)

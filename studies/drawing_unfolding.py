@@ -1,41 +1,49 @@
 """The pictures of unfolding and folding."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 from matplotlib.animation import FuncAnimation, PillowWriter
 from matplotlib.axes import Axes
 
+from agents.agent import Array
 from studies.drawing import BLUE, ORANGE, save, sheet
 from studies.drawing_arm import GREY, draw_arm
-from studies.measures import summed_motion
-from studies.unfolding import Found, Motion
+from studies.measures import Motion, summed_motion
 
 NAMES = ("MSMA", "MD (Duhaut)")
 COLOURS = (BLUE, ORANGE)
 
 
-def stages(found: Found, title: str, file: Path) -> Path:
-    """Figures 4 and 5: three stages of both methods, what each joint did, and all other cases."""
+Pair = tuple[Motion, Motion]
+"""Of MSMA and of MD."""
+
+
+def stages(goal: Array, paper: Pair, others: Sequence[Pair], title: str, file: Path) -> Path:
+    """Figures 4 and 5: three stages of both methods, what each joint did, and all other cases.
+
+    goal: (2,) of the `paper`'s case [m]
+    """
     figure, axes = sheet(10.0, 11.0, 3, 2)
-    for axis, name, colour, motion in zip(axes, NAMES, COLOURS, found.paper, strict=False):
+    for axis, name, colour, motion in zip(axes, NAMES, COLOURS, paper, strict=False):
         _three(axis, motion, colour)
-        axis.plot(*found.goal, "*", color="black", markersize=13, label="goal")
+        axis.plot(*goal, "*", color="black", markersize=13, label="goal")
         axis.set(title=f"{name}: {len(motion.q) - 2} steps to 5 mm",
                  xlabel="x [m]", ylabel="y [m]")  # fmt: skip
         axis.legend(fontsize=8, loc="best")
-    for axis, name, motion in zip(axes[2:], NAMES, found.paper, strict=False):
+    for axis, name, motion in zip(axes[2:], NAMES, paper, strict=False):
         turned = np.degrees(np.abs(np.diff(motion.q, axis=0)).cumsum(axis=0))
         for i, (colour, dash) in enumerate(zip(FIVE, DASHES, strict=True)):
             axis.plot(turned[:, i], color=colour, linestyle=dash, label=f"joint {i + 1}")
         axis.set(xlabel="steps of 0.1 s", ylabel="turned so far [deg]",
                  title=f"{name}: how much each joint turns")  # fmt: skip
         axis.legend(fontsize=8)
-    top = max(np.degrees(summed_motion(motion.q)).max() for motion in found.paper) * 1.05
+    top = max(np.degrees(summed_motion(motion.q)).max() for motion in paper) * 1.05
     for axis in axes[2:4]:
         axis.set(ylim=(0, top))
-    _against(axes[4], found, "uneven", "Gini index of summed joint motion", 1.0)
-    _against(axes[5], found, "bend", "least angle from straight [deg]", float(180 / np.pi))
+    _against(axes[4], paper, others, "uneven", "Gini index of summed joint motion", 1.0)
+    _against(axes[5], paper, others, "bend", "least angle from straight [deg]", float(180 / np.pi))
     figure.suptitle(title)
     return save(figure, file)
 
@@ -53,30 +61,32 @@ def _three(axis: Axes, motion: Motion, colour: str) -> None:
     axis.set_aspect("equal", adjustable="datalim")
 
 
-def _against(axis: Axes, found: Found, what: str, label: str, unit: float) -> None:
-    pairs = unit * np.array([[getattr(each, what) for each in pair] for pair in found.others])
+def _against(
+    axis: Axes, paper: Pair, others: Sequence[Pair], what: str, label: str, unit: float
+) -> None:
+    pairs = unit * np.array([[getattr(each, what) for each in pair] for pair in others])
     top = 1.05 * pairs.max()
     axis.plot([0, top], [0, top], color="black", linewidth=0.8, linestyle=":", label="the same")
     axis.plot(pairs[:, 1], pairs[:, 0], "o", color=BLUE, markersize=4, alpha=0.7,
               label=f"{len(pairs)} random cases")  # fmt: skip
-    axis.plot(*(unit * getattr(each, what) for each in found.paper[::-1]), "D", color="#D55E00",
+    axis.plot(*(unit * getattr(each, what) for each in paper[::-1]), "D", color="#D55E00",
               label="the case above")  # fmt: skip
     axis.set(xlabel=f"MD: {label}", ylabel=f"MSMA: {label}", xlim=(0, top), ylim=(0, top))
     axis.legend(fontsize=8)
 
 
-def moving(found: Found, file: Path) -> Path:
+def moving(goal: Array, paper: Pair, file: Path) -> Path:
     """Both methods side by side, every other step, as a GIF."""
     figure, axes = sheet(8.0, 4.3, 1, 2)
-    count = max(len(motion.q) for motion in found.paper)
+    count = max(len(motion.q) for motion in paper)
 
     def show(tick: int) -> list[Axes]:
-        for axis, name, colour, motion in zip(axes, NAMES, COLOURS, found.paper, strict=True):
+        for axis, name, colour, motion in zip(axes, NAMES, COLOURS, paper, strict=True):
             axis.clear()
             at = min(tick, len(motion.q) - 1)
             axis.plot(*motion.hand[: at + 1].T, color=GREY, linewidth=1, linestyle=":")
             draw_arm(axis, motion.q[at], colour)
-            axis.plot(*found.goal, "*", color="black", markersize=13)
+            axis.plot(*goal, "*", color="black", markersize=13)
             axis.set(xlim=(-0.8, 1.05), ylim=(-0.75, 1.1), xlabel="x [m]", ylabel="y [m]",
                      title=f"{name}, {0.1 * at:.1f} s", aspect="equal")  # fmt: skip
         return axes

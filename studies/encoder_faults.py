@@ -11,7 +11,7 @@ from plant.faults import Fault
 from plant.robot import Robot
 from plant.urdf import load
 from studies.crew import NEAR, reach
-from studies.reachable import ring
+from studies.reachable import anywhere
 from studies.study import Claim, Findings, Row, Study, Watch, share
 
 Perception = Literal["blackboard", "localiser", "auto"]
@@ -25,8 +25,6 @@ STEPS = 600
 class Found(Findings):
     """What the picture needs: distances at the end by fault and perception [m]."""
 
-    faults: tuple[str, ...]
-    perceptions: tuple[str, ...]
     ends: dict[tuple[str, str], Array]
 
 
@@ -53,8 +51,6 @@ class EncoderFaults(Study[Found]):
             rows=tuple(_row(*key, end) for key, end in ends.items()),
             claims=_claims(ends),
             notes=NOTES,
-            faults=tuple(FAULTS),
-            perceptions=PERCEPTIONS,
             ends=ends,
         )
 
@@ -62,16 +58,14 @@ class EncoderFaults(Study[Found]):
         """Draw where the hands end."""
         from studies.drawing_trials import encoder_faults
 
-        return (encoder_faults(found, folder / "encoder-faults.png"),)
+        return (encoder_faults(found.ends, folder / "encoder-faults.png"),)
 
 
 def one(robot: Robot, joint: int, fault: str, perception: Perception, count: int) -> Array:
     """Return the worst distances in the last second (B,) [m] with one encoder at fault."""
-    rng = np.random.default_rng([33, joint])
-    q = rng.uniform(-np.pi, np.pi, (count, robot.n))
-    place = ring(robot, q, ()).draw(rng, 0.05)
+    q, place = anywhere(robot, np.random.default_rng([33, joint]), count, 0.05)
     reached = reach(
-        robot, q, np.concatenate([place, np.zeros((count, 1))], axis=-1), steps=STEPS, seed=joint,
+        robot, q, place, steps=STEPS, seed=joint,
         faults=(Fault(f"encoder/{joint + 1}", fault, FAULTS[fault]),), enough=NEAR / 20,
         perception=perception,
     )  # fmt: skip

@@ -1,9 +1,35 @@
 """How a motion is judged: how the joints share it, how smooth it is, how the arm stands."""
 
+from dataclasses import dataclass
+
 import numpy as np
 import numpy.typing as npt
 
 from plant.robot import Array
+
+
+@dataclass(frozen=True)
+class Motion:
+    """One arm's way to a goal, until the hand is there and for a step more.
+
+    Attributes:
+        q: (K, 5) [rad].
+        hand: (K, 2) [m].
+        reached: Whether the hand came within 5 mm.
+        uneven: Gini index of the joints' summed motion.
+        jerk, arc: Log dimensionless jerk and SPARC of the hand's speed.
+        bend: Least angle of any two links from straight, at any moment [rad].
+        crossed: In how many steps any two links crossed.
+    """
+
+    q: Array
+    hand: Array
+    reached: bool
+    uneven: float
+    jerk: float
+    arc: float
+    bend: float
+    crossed: int
 
 
 def gini(amounts: Array) -> Array:

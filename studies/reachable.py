@@ -72,6 +72,25 @@ def ring(robot: Robot, q: Array, broken: tuple[int, ...]) -> Ring:
     return Ring(nodes[..., 0, :], inner, outer)
 
 
+def anywhere(
+    robot: Robot, rng: np.random.Generator, count: int, margin: float, area: Ring | None = None
+) -> tuple[Array, Array]:
+    """Draw starts (count, n) [rad] and places (count, 3) [m], at least `margin` [m] inside `area`.
+
+    area: one for each, or one for all; without, what the whole arm can reach
+    """
+    q = rng.uniform(-np.pi, np.pi, (count, robot.n))
+    whole = ring(robot, q, ())
+    if area is not None:
+        whole = Ring(*(np.broadcast_to(a, w.shape) for a, w in zip(area, whole, strict=True)))
+    return q, flat(whole.draw(rng, margin))
+
+
+def flat(places: Array) -> Array:
+    """Return places (..., 2) in the plane of the arm as (..., 3) [m]."""
+    return np.concatenate([places, np.zeros_like(places[..., :1])], axis=-1)
+
+
 def grid(area: Ring, count: int) -> Array:
     """Return at least `count` places (M, 2) [m] of one ring, on the coarsest square grid.
 

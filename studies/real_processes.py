@@ -82,7 +82,14 @@ class RealProcesses(Study[Found]):
         """Draw when each hand was at its goal, for real and in lockstep."""
         from studies.drawing_trials import real_processes
 
-        return (real_processes(found, folder / "real-processes.png"),)
+        kinds = {"two agents killed": True, "two joints locked": False}
+        times = {
+            name: np.array(
+                [[t.stepped_since, t.real_since] for t in found.trials if t.killed is killed]
+            ).reshape(-1, 2)
+            for name, killed in kinds.items()
+        }
+        return (real_processes(times, folder / "real-processes.png"),)
 
 
 def one(pair: tuple[int, ...], killed: bool, goal: Array, number: int) -> Trial:

@@ -13,6 +13,7 @@ from studies import md
 from studies.crew import PERIOD
 from studies.lockstep import run
 from studies.measures import (
+    Motion,
     crossing,
     gini,
     least_bend,
@@ -33,30 +34,6 @@ FOLDED = np.radians([90.0, -150.0, 145.0, -140.0, 135.0])
 STRETCHED = np.radians([70.0, 12.0, -10.0, 12.0, -8.0])
 FAR, CLOSE = np.array([0.75, 0.5]), np.array([0.3, 0.12])
 """The paper's figures give no numbers; these are like them [m]."""
-
-
-@dataclass(frozen=True)
-class Motion:
-    """One arm's way to a goal, until the hand is there and for a step more.
-
-    Attributes:
-        q: (K, 5) [rad].
-        hand: (K, 2) [m].
-        reached: Whether the hand came within 5 mm.
-        uneven: Gini index of the joints' summed motion.
-        jerk, arc: Log dimensionless jerk and SPARC of the hand's speed.
-        bend: Least angle of any two links from straight, at any moment [rad].
-        crossed: In how many steps any two links crossed.
-    """
-
-    q: Array
-    hand: Array
-    reached: bool
-    uneven: float
-    jerk: float
-    arc: float
-    bend: float
-    crossed: int
 
 
 @dataclass(frozen=True)
@@ -97,8 +74,8 @@ class Unfold(Study[Found]):
         from studies.drawing_unfolding import moving, stages
 
         return (
-            stages(found, self.title, folder / f"{self.name}.png"),
-            moving(found, folder / f"{self.name}.gif"),
+            stages(found.goal, found.paper, found.others, self.title, folder / f"{self.name}.png"),
+            moving(found.goal, found.paper, folder / f"{self.name}.gif"),
         )
 
     def _rows(

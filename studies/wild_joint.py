@@ -12,11 +12,14 @@ from plant.kinematics import Kinematics
 from plant.robot import Robot
 from plant.urdf import load
 from studies.crew import NEAR, PERIOD, reach
+from studies.reachable import Ring, anywhere
 from studies.study import Claim, Findings, Row, Study, Watch, share
 
 SHARES = (0.05, 0.2, 0.5)
 """Of full speed, to which the wild motor turns."""
 PERCEPTIONS = ("blackboard", "localiser")
+AREA = Ring(np.zeros(2), np.array(0.2), np.array(0.5))
+"""Of the goals."""
 STEPS, LAST = 400, 200
 """Of 0.1 s: in all, and those at the end that count."""
 
@@ -71,18 +74,16 @@ class WildJoint(Study[Found]):
         """Draw what remains, by the wild joint."""
         from studies.drawing_trials import wild_joint
 
-        return (wild_joint(found, folder / "wild-joint.png"),)
+        file = folder / "wild-joint.png"
+        return (wild_joint(found.shares, found.remaining, found.floor, file),)
 
 
 def one(robot: Robot, joint: int, part: float, perception: str, count: int) -> tuple[Array, Array]:
     """Return distances (K, B) [m], and the wild joint's levers (B,) [m] at the end.
 
-    Goals are at 20 to 50 cm, which the other joints can reach whatever the wild one does.
+    Goals are where the other joints can bring the hand whatever the wild one does.
     """
-    rng = np.random.default_rng([20, joint])
-    q = rng.uniform(-np.pi, np.pi, (count, robot.n))
-    radius, angle = rng.uniform(0.2, 0.5, count), rng.uniform(-np.pi, np.pi, count)
-    place = np.stack([radius * np.cos(angle), radius * np.sin(angle), np.zeros(count)], axis=-1)
+    q, place = anywhere(robot, np.random.default_rng([20, joint]), count, 0.0, AREA)
     wild = (Fault(f"joint/{joint + 1}", "runaway", part),)
     reached = reach(robot, q, place, steps=STEPS, seed=joint, faults=wild, perception=perception)
     arm = Kinematics(robot).forward(reached.q)

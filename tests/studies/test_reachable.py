@@ -7,7 +7,7 @@ import pytest
 
 from plant.kinematics import Kinematics
 from plant.urdf import load
-from studies.reachable import grid, ring
+from studies.reachable import Ring, anywhere, grid, ring
 from studies.study import StudyError
 
 ARM = load("planar5")
@@ -52,3 +52,13 @@ def test_arms_it_cannot_reckon_are_refused() -> None:
         ring(load("arph"), np.zeros(6), ())
     with pytest.raises(StudyError, match="no joint is left"):
         ring(ARM, np.zeros(5), (0, 1, 2, 3, 4))
+
+
+def test_places_drawn_anywhere_are_within_reach_and_in_the_area_asked_for() -> None:
+    area = Ring(np.zeros(2), np.array(0.2), np.array(0.5))
+    for given, least, most in ((None, 0.0, 0.9), (area, 0.25, 0.45)):
+        q, place = anywhere(ARM, np.random.default_rng(1), 50, 0.05 if given else 0.1, given)
+        away = np.linalg.norm(place, axis=-1)
+        assert q.shape == (50, 5)
+        assert (place[:, 2] == 0).all()
+        assert least <= away.min() <= away.max() <= most
