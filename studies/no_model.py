@@ -74,17 +74,20 @@ class NoModel(Study[Found]):
 
     def draw(self, found: Found, folder: Path) -> tuple[Path, ...]:
         """Draw how the distance goes, and where it ends, in every case."""
-        from studies.drawing_trials import no_model
+        from studies.drawing_trials import Curve, no_model
 
-        return (no_model(found, folder / "no-model.png"),)
+        noisy, others = (
+            [Curve(case.name, reached.history, reached.settled)
+             for case, reached in found.cases if (case.bar == 1.0) is alike]
+            for alike in (True, False)
+        )  # fmt: skip
+        return (no_model(noisy, others, folder / "no-model.png"),)
 
 
 def all_cases() -> tuple[Case, ...]:
     """Return every case: arms, noise, delay, loss, in step and out of step."""
     five = load("planar5")
-    noisy = [
-        Case(f"{n} joints, 1 mm noise", planar(n), noise=0.001, bar=1.0) for n in (3, 4, 5, 8, 12)
-    ]
+    noisy = [Case(f"{n} joints, 1 mm noise", planar(n), noise=0.001, bar=1.0) for n in range(3, 13)]
     late = Meeting(ticks=TICKS, loss=0.1)
     return (
         Case("5 joints", five, limit=0.001),
@@ -169,20 +172,20 @@ def told(robot: Robot) -> Robot:
 
 
 def _row(case: Case, reached: Reached) -> Row:
-    ok = reached.end < case.limit
+    ok = reached.settled < case.limit
     bar = "" if case.bar is None else f"{100 * case.bar:g} % within {1000 * case.limit:g} mm"
     median = np.median(reached.steps)
     near = "no" if np.isinf(median) else f"{median:.0f}"
     return Row(
         case.name, bar,
         f"{share(ok.sum(), ok.size)} within {1000 * case.limit:g} mm; {near} steps to 5 mm; "
-        f"worst end {1000 * reached.end.max():.1f} mm",
+        f"worst {1000 * reached.settled.max():.1f} mm",
         None if case.bar is None else bool(ok.mean() >= case.bar),
     )  # fmt: skip
 
 
 def _claims(done: list[tuple[Case, Reached]]) -> tuple[Claim, ...]:
-    ok = [(reached.end < case.limit).mean() for case, reached in done]
+    ok = [(reached.settled < case.limit).mean() for case, reached in done]
     worst = int(np.argmin(ok))
     return (
         Claim('"the algorithm can be implemented directly on any manipulator without knowing any '
@@ -196,7 +199,7 @@ def _claims(done: list[tuple[Case, Reached]]) -> tuple[Claim, ...]:
 
 NOTES = (
     "The agents believe to be part of another robot; of it they use no more than the top speed. "
-    "True distances are judged, at the end of 200 s, or sooner if all are there.",
+    "True distances are judged: the worst in the last second of 200 s, or sooner if all are there.",
     "Goals are where the hand is in another random posture of the same arm. Late cases run the "
     "plant at 20 ms and the agents at 100 ms; 10 % of percepts and 10 % of commands are lost.",
 )
