@@ -9,7 +9,7 @@ from agents.agent import Array, Body, Goal
 from agents.arithmetic import within
 from agents.laws import Law, Own
 from agents.sight import View
-from agents.watching import OwnColumn, OwnMotion, SteadyEye
+from agents.watching import Content, OwnColumn, OwnMotion, SteadyEye
 
 
 class Told(NamedTuple):
@@ -39,7 +39,7 @@ class LineByEye(Law):
     move of its own, one way and then back, by chance: joints that all answered the same sight in
     the same way could never tell whose motion helped. That move shrinks with the distance left,
     and so does the speed allowed, so that a joint that is wrong of its own effect does no harm
-    before it learns better.
+    before it learns better. It rests while nothing is missing but what may be trembling.
     """
 
     WINDOW = 0.05  # [s] least time between two decisions: a hand takes time to answer
@@ -71,8 +71,11 @@ class LineByEye(Law):
         self._eye, self._own, self._motion = SteadyEye(), OwnColumn(lags, known), OwnMotion(lags)
         self._t: float | None = None
         self._hand: Array = np.zeros(3)
-        self._before: tuple[Array, Array] | None = None
+        self._before: tuple[Array, Array, Array] | None = None
+        self._content = Content()
+        self._awake: Array = np.array(1.0)  # 0 where it rests
         self._steady: Array | None = None
+        self._chance: Array = np.array(0.0)
         self._will: Array = np.array(0.0)
         self._way: Array | None = None
 
@@ -92,7 +95,7 @@ class LineByEye(Law):
         self._begin(fresh[-1].column if fresh else None)
         for told in fresh:
             self._eye.see(told.t, told.hand)
-            self._motion.tell(told.t, told.speed)
+            self._motion.tell(told.t, np.stack([told.speed, np.zeros_like(told.speed)]))
             self._t, self._hand, self._steady = told.t, told.hand, told.speed
             self._will = told.speed
 
@@ -107,7 +110,7 @@ class LineByEye(Law):
         if self._t is not None:
             self._learn(t, view.hand)
         self._will = self._decide(t, goal, elapsed)
-        self._motion.tell(t, self._will)
+        self._motion.tell(t, np.stack([self._will, self._chance]))
         self._t, self._hand = t, view.hand
         return self._will
 
@@ -115,18 +118,25 @@ class LineByEye(Law):
         """Compare how its own speed and the hand's velocity have changed since the last sight."""
         assert self._t is not None
         elapsed = t - self._t
-        speed, drift = self._motion.mean_speed(self._t, t), (hand - self._hand) / elapsed
+        speed, chance = np.moveaxis(self._motion.mean_speed(self._t, t), 1, 0)
+        drift = (hand - self._hand) / elapsed
         if self._before is not None:
-            gone = _length(self._eye.velocity) * elapsed
-            self._own.learn(speed - self._before[0], drift - self._before[1], elapsed, gone)
-        self._before = speed, drift
+            awake = self._awake * elapsed
+            self._own.learn(
+                speed - self._before[0], chance - self._before[1], drift - self._before[2],
+                elapsed=awake, gone=awake * _length(self._eye.velocity), trust=self._eye.trust,
+            )  # fmt: skip
+        self._before = speed, chance, drift
 
     def _decide(self, t: float, goal: Goal, elapsed: float) -> Array:
         """Return the next speed (...) [rad/s]."""
         column, eye = self._own.column, self._eye
         ahead = self._horizon + self.LATE * column.lag
-        missing = goal.at(t) - eye.place
-        later = missing + (goal.velocity_at(t) - eye.velocity) * ahead[..., None]
+        missing, goes = goal.at(t) - eye.place, goal.velocity_at(t)
+        pace = _length(goes)
+        content = self._content.after(elapsed, missing, eye.trembling, pace > 0)
+        self._awake = np.where(content, 0.0, 1.0)
+        later = missing + (goes - eye.velocity) * ahead[..., None]
         length = (column.way * column.way).sum(axis=-1)
         asked = (column.way * later).sum(axis=-1) / (length + self.CAUTION * column.variance)
         lever = np.sqrt(length + column.variance)
@@ -135,11 +145,12 @@ class LineByEye(Law):
             kept = np.exp(-elapsed / (self.MEMORY * eye.trust**2))
             steady = steady + kept * self._steady
         chance = np.minimum(self.DITHER * _length(missing) / lever / elapsed, self.MOST_DITHER)
-        far = _length(missing) + self.LEAD * _length(goal.velocity_at(t))
+        far = _length(missing) + self.LEAD * pace
         most = np.minimum(self.MOST * self._top_speed, self.HASTE * far / lever / self._horizon)
         most = np.minimum(most, self._top_speed - chance)
-        self._steady = np.minimum(np.maximum(steady, -most), most)
-        will: Array = self._steady + chance * self._next_way(chance.shape)
+        self._steady = self._awake * np.minimum(np.maximum(steady, -most), most)
+        self._chance = self._awake * chance * self._next_way(chance.shape)
+        will: Array = self._steady + self._chance
         return will
 
     def _next_way(self, shape: tuple[int, ...]) -> Array:

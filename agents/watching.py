@@ -7,6 +7,7 @@ from collections import deque
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from agents.agent import Array
 
@@ -31,6 +32,7 @@ class SteadyEye:
         self.place: Array = np.zeros(3)
         self.velocity: Array = np.zeros(3)
         self.trust: Array = np.array(1.0)
+        self.trembling: Array = np.array(0.0)  # mean square of a sight's error [m2]
         self._t: float | None = None
 
     def see(self, t: float, place: Array) -> None:
@@ -38,6 +40,7 @@ class SteadyEye:
         if self._t is None:
             batch = place.shape[:-1]
             self.place, self.velocity, self.trust = place, np.zeros_like(place), np.ones(batch)
+            self.trembling = np.zeros(batch)
             self._last = np.stack([place, place])
             self._jolt = np.zeros_like(place)
             self._spread, self._fall = np.zeros(batch), np.zeros(batch)
@@ -52,6 +55,7 @@ class SteadyEye:
         self._spread = self._spread + new * ((jolt * jolt).sum(axis=-1) - self._spread)
         self._fall = self._fall + new * ((jolt * self._jolt).sum(axis=-1) - self._fall)
         self._jolt = jolt
+        self.trembling = np.maximum(-self._fall / 4.0, 0.0)
         self.trust = self._trust()
         follow = self.trust**2 / (2.0 - self.trust)
         expected = self.place + self.velocity * elapsed
@@ -67,6 +71,43 @@ class SteadyEye:
         root = (4.0 + index - np.sqrt(8.0 * index + index * index)) / 4.0
         trust: Array = np.where(index > self.STILL, 1.0, np.maximum(1.0 - root * root, self.LEAST))
         return trust
+
+
+class Content:
+    """Whether the hand is at a goal that stands still, as far as an eye that trembles can tell.
+
+    Who answers an eye's trembling moves for nothing, and takes what it so learns of itself for
+    true: small errors that confirm themselves, until the hand bursts off (Anderson 1985,
+    "Adaptive systems, lack of persistency of excitation and bursting phenomena"). So an agent
+    rests while the mean of what is missing is explained by trembling, and until it no longer is.
+    """
+
+    NEAR = 0.4  # of the trembling: so little missing is as good as none
+    AGAIN = 1.2  # of the trembling: so much missing is too much to rest on
+    MEMORY = 1.0  # [s] of which the mean is taken
+
+    def __init__(self) -> None:
+        """Have seen nothing yet."""
+        self._missing: Array | None = None
+        self._content: npt.NDArray[np.bool_] | bool = False
+
+    def after(
+        self, elapsed: float, missing: Array, trembling: Array, moving: npt.NDArray[np.bool_]
+    ) -> npt.NDArray[np.bool_]:
+        """Return whether (...) to rest, `elapsed` [s] after this was asked last.
+
+        missing: (..., 3) from the hand to the goal [m]; trembling: (...) see `SteadyEye` [m2]
+        moving: (...) whether the goal moves
+        """
+        if self._missing is None:
+            self._missing = missing
+        new = 1.0 - np.exp(-elapsed / self.MEMORY)
+        self._missing = self._missing + new * (missing - self._missing)
+        most = np.where(self._content, self.AGAIN, self.NEAR) ** 2 * trembling
+        content: npt.NDArray[np.bool_] = (self._missing * self._missing).sum(axis=-1) < most
+        content = content & ~moving
+        self._content = content
+        return content
 
 
 class Column(NamedTuple):
@@ -98,6 +139,7 @@ class OwnColumn:
     PATIENCE = 0.9  # share kept of the noise estimate at each sight
     FLOOR = 1e-10  # [m2/s2] so that a perfectly still hand divides by something
     PROMPT = 13.0  # [1/s] how much less likely a late answer is than a prompt one, at first
+    TELLING = 3.0  # power of the trust with which an answer to what was seen tells of its effect
     LASTING = 0.985  # share kept of the evidence for a lag at each sight
     WEIGHT = 0.2  # of one sight as evidence: successive sights are not independent
 
@@ -113,11 +155,18 @@ class OwnColumn:
         batch = first.shape[:-1]
         self.column = Column(first, np.full(batch, doubt**2), np.zeros(batch))
 
-    def learn(self, speed: Array, velocity: Array, elapsed: float, gone: Array) -> None:
+    def learn(
+        self, speed: Array, chance: Array, velocity: Array, *, elapsed: Array, gone: Array,
+        trust: Array,
+    ) -> None:  # fmt: skip
         """Take in that the hand's velocity has changed by `velocity` (..., 3) [m/s].
 
         speed: (H, ...) by how much, with each lag, the joint's own speed had changed [rad/s]
-        elapsed: time since the last sight [s]; gone: (...) how far the hand went in it [m]
+        chance: (H, ...) what of that was by chance; the rest answered what was seen: the less it
+            is to be trusted, the more of a likeness between the two is trembling seen twice, so
+            that only what was by chance tells (an instrumental variable)
+        elapsed: (...) time since the last sight, 0 where it rested [s]
+        gone: (...) how far the hand went in it [m]; trust: (...) see `SteadyEye`
         """
         if self._way is None:
             many = speed.shape
@@ -128,16 +177,18 @@ class OwnColumn:
             self._evidence = np.zeros(many) - self.PROMPT * self._lags.reshape(column)
         wander = self.DRIFT**2 * elapsed + (self.CARRIED * gone) ** 2
         variance = np.minimum(self._variance + wander, 2.0 * self.LENGTH**2)
+        telling = chance + trust**self.TELLING * (speed - chance)
         surprise = velocity - self._way * speed[..., None]
         seen = (surprise * surprise).sum(axis=-1) / 3.0
-        foretold = np.maximum(variance * speed**2 + self._noise, 1e-12)
-        self._evidence = self.LASTING * self._evidence
-        self._evidence -= self.WEIGHT * (seen / foretold + np.log(foretold))
+        foretold = np.maximum(variance * telling**2 + self._noise, 1e-12)
+        evidence = self.LASTING * self._evidence
+        evidence -= self.WEIGHT * (seen / foretold + np.log(foretold))
+        self._evidence = np.where(elapsed > 0, evidence, self._evidence)
         noise = self.PATIENCE * self._noise + (1.0 - self.PATIENCE) * seen
         self._noise = np.maximum(noise, self.FLOOR)
-        weight = variance * speed / (variance * speed**2 + self._noise)
+        weight = variance * telling / (variance * telling**2 + self._noise)
         self._way = self._way + weight[..., None] * surprise
-        self._variance = variance * (1.0 - weight * speed)
+        self._variance = variance * (1.0 - weight * telling)
         self.column = self._weighed()
 
     def _weighed(self) -> Column:

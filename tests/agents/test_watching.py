@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from agents.watching import OwnColumn, OwnMotion, SteadyEye
+from agents.watching import Content, OwnColumn, OwnMotion, SteadyEye
 
 PERIOD = 0.1
+WATCHED = {"elapsed": np.array(PERIOD), "gone": np.array(0.0), "trust": np.array(1.0)}
 
 
 def test_a_still_eye_is_believed_outright():
@@ -50,7 +51,7 @@ def learned(late: int, seed: int) -> tuple[bool, bool]:
     changes = rng.normal(scale=0.2, size=(200, 6))  # of its speed, as seen with each lag
     for speed in changes:
         others = rng.normal(scale=0.02, size=3)
-        own.learn(speed, true * speed[late] + others, PERIOD, np.array(0.0))
+        own.learn(speed, speed, true * speed[late] + others, **WATCHED)
     way = own.column.way
     size = np.linalg.norm(way)
     along = way @ true > 0.85 * size * np.linalg.norm(true)
@@ -70,6 +71,57 @@ def test_a_column_that_a_model_told_is_known_from_the_start():
     own = OwnColumn(np.array([0.0]), told)
     np.testing.assert_array_equal(own.column.way, told)
     assert own.column.variance < 0.01
+
+
+def test_an_answer_to_trembling_is_not_taken_for_an_effect() -> None:
+    rng = np.random.default_rng(4)
+    own, true = OwnColumn(np.zeros(1)), np.array([0.3, -0.5, 0.1])
+    trembling = np.array([0.0, 0.4, 0.2])
+    for _ in range(2000):
+        chance, answer = rng.normal(scale=0.2, size=(2, 1))
+        seen = true * (chance + answer) + trembling * answer
+        own.learn(chance + answer, chance, seen, **{**WATCHED, "trust": np.array(0.3)})
+    np.testing.assert_allclose(own.column.way, true, atol=0.15)
+
+
+def test_what_is_known_lasts_while_it_rests() -> None:
+    own = OwnColumn(np.zeros(1), np.array([0.3, -0.5, 0.1]))
+    resting = {**WATCHED, "elapsed": np.array(0.0)}
+    for _ in range(1000):
+        own.learn(np.zeros(1), np.zeros(1), np.full(3, 0.01), **resting)
+    np.testing.assert_allclose(own.column.way, [0.3, -0.5, 0.1])
+    assert own.column.variance == pytest.approx(OwnColumn.DOUBT**2)
+
+
+@pytest.mark.parametrize(
+    ("missing", "trembling", "moving", "content"),
+    [
+        (0.0, 1e-6, False, True),
+        (0.003, 1e-6, False, False),
+        (0.0, 1e-6, True, False),  # there is no rest with a goal that moves
+        (1e-6, 0.0, False, False),  # a still eye sees that it is not there
+    ],
+)
+def test_who_misses_no_more_than_trembling_explains_rests(
+    missing: float, trembling: float, moving: bool, content: bool
+) -> None:
+    mind = Content()
+    for _ in range(60):
+        seen = np.array([missing, 0.0, 0.0])
+        answer = mind.after(PERIOD, seen, np.array(trembling), np.array(moving))
+    assert answer == content
+
+
+def test_who_rests_is_not_woken_by_less_than_what_kept_it_awake() -> None:
+    mind, still = Content(), np.array(False)
+
+    def settled(missing: float) -> bool:
+        for _ in range(60):
+            seen = np.array([missing, 0.0, 0.0])
+            answer = mind.after(PERIOD, seen, np.array(1e-6), still)
+        return bool(answer)
+
+    assert [settled(each) for each in (0.0008, 0.0001, 0.0008, 0.002)] == [False, True, True, False]
 
 
 def test_its_own_mean_speed_is_told_for_each_lag():
