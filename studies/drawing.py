@@ -8,6 +8,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import FormatStrFormatter
 
 from agents.agent import Array
 from studies.lockstep import Trace
@@ -40,7 +41,10 @@ def sheet(
 
 
 def save(figure: Figure, file: Path) -> Path:
-    """Write the picture."""
+    """Write the picture; numbers along logarithmic axes are written out."""
+    for axis in (each for axes in figure.axes for each in (axes.xaxis, axes.yaxis)):
+        if axis.get_scale() == "log":
+            axis.set_major_formatter(FormatStrFormatter("%g"))
     file.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(file, dpi=150)
     return file

@@ -73,7 +73,7 @@ def convergence(laws: Mapping[str, Array], fixed: Mapping[str, Array], file: Pat
     laws, fixed: by name, two of each
     """
     figure, axes = sheet(10.0, 4.5, 1, 2)
-    looks = [(BLUE, "-"), (GREEN, "--"), (ORANGE, ":"), (RED, ":")]
+    looks = [(BLUE, "-"), (GREEN, "--"), (ORANGE, "-."), (RED, ":")]
     cases = [*laws.items(), *fixed.items()]
     for (name, history), (colour, dash) in zip(cases, looks, strict=True):
         shown = 1e3 * np.maximum(history[:301], 1e-6)

@@ -11,6 +11,9 @@ from matplotlib.axes import Axes
 from agents.agent import Array
 from studies.drawing import COLOURS, DASHES, save, sheet
 
+SHOWN = (1e-3, 2e3)
+"""Distances at the end [mm]; less and more are drawn at the border."""
+
 
 class Curve(NamedTuple):
     """How many hands came to their goals in one case.
@@ -78,7 +81,7 @@ def encoder_faults(ends: Mapping[tuple[str, str], Array], file: Path) -> Path:
     for axis, fault in zip(axes, faults, strict=True):
         for index, perception in enumerate(perceptions):
             _ends(axis, ends[fault, perception], perception, _style(index))
-        axis.set(title=f"encoder {fault}", xlim=(1e-3, 3e3))
+        axis.set(title=f"encoder {fault}")
         axis.legend(fontsize=8)
     figure.suptitle("One encoder wrong while its motor works: where the hand ends")
     return save(figure, file)
@@ -103,7 +106,8 @@ def real_processes(times: Mapping[str, Array], file: Path) -> Path:
 
 
 def _style(index: int) -> dict[str, Any]:
-    return {"color": COLOURS[index % len(COLOURS)], "linestyle": DASHES[index % len(DASHES)]}
+    again, colour = divmod(index, len(COLOURS))
+    return {"color": COLOURS[colour], "linestyle": DASHES[(colour + again) % len(DASHES)]}
 
 
 def _curve(over_time: Axes, at_end: Axes, curve: Curve, style: dict[str, Any]) -> None:
@@ -111,10 +115,11 @@ def _curve(over_time: Axes, at_end: Axes, curve: Curve, style: dict[str, Any]) -
     over_time.semilogy(median, label=curve.name, **style)
     over_time.set(xlabel="steps of 0.1 s", ylabel="median distance to the goal [mm]")
     _ends(at_end, curve.end, curve.name, style)
-    at_end.set_xlabel("worst distance in the last second [mm]")
 
 
 def _ends(axis: Axes, end: Array, name: str, style: dict[str, Any]) -> None:
-    ordered = np.sort(1e3 * np.clip(np.nan_to_num(end, nan=2.0), 1e-6, 2.0))
-    axis.semilogx(ordered, 100 * np.arange(1, len(ordered) + 1) / len(ordered), label=name, **style)
-    axis.set(xlabel="distance at the end [mm]", ylabel="share of the goals [%]")
+    ordered = np.sort(np.clip(1e3 * np.nan_to_num(end, nan=np.inf), *SHOWN))
+    shares = 100 * np.arange(len(ordered) + 1) / len(ordered)
+    axis.semilogx([SHOWN[0], *ordered], shares, drawstyle="steps-pre", label=name, **style)
+    axis.set(xlabel="worst distance in the last second [mm]", ylabel="share of the goals [%]",
+             xlim=(0.7 * SHOWN[0], 1.3 * SHOWN[1]))  # fmt: skip
