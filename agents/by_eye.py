@@ -44,14 +44,12 @@ class LineByEye(Law):
 
     WINDOW = 0.05  # [s] least time between two decisions: a hand takes time to answer
     LAGS = (0.0, 0.5, 1.0, 1.5, 2.0, 2.5)  # windows by which the eye may be late
-    FURTHER = 1.5  # horizons that it looks ahead: what it sees is rougher than what a model tells
+    FURTHER = 1.2  # horizons that it looks ahead: what it sees is rougher than what a model tells
     LATE = 0.7  # of the eye's lag by which it looks further ahead still
     MEMORY = 3.0  # [s] in which a motion that nothing asks for dies down; less when eyes tremble
     GAIN = 0.22  # share of the turn asked for that it makes
     CAUTION = 0.22  # how much an uncertain estimate counts against a large turn
-    DITHER = (
-        0.045  # size of the move by chance, as a share of the one that would close the distance
-    )
+    DITHER = 0.09  # size of the move by chance, as a share of the one that closes the distance
     MOST_DITHER = 0.15  # [rad/s]
     MOST = 0.57  # share of its top speed, so that it learns as fast as its column changes
     HASTE = 0.84  # of the turn that closes the distance, made within the horizon, at most

@@ -82,8 +82,8 @@ class Content:
     rests while the mean of what is missing is explained by trembling, and until it no longer is.
     """
 
-    NEAR = 0.4  # of the trembling: so little missing is as good as none
-    AGAIN = 1.2  # of the trembling: so much missing is too much to rest on
+    NEAR = 0.5  # of the trembling: so little missing is as good as none
+    AGAIN = 1.5  # of the trembling: so much missing is too much to rest on
     MEMORY = 1.0  # [s] of which the mean is taken
 
     def __init__(self) -> None:
@@ -135,7 +135,7 @@ class OwnColumn:
     DOUBT = 0.05  # [m/rad] of one that was told
     DRIFT = 0.29  # [m/rad per sqrt(s)] how fast the true column may wander
     CARRIED = 0.8  # [1/rad] how far it may wander per distance that the hand goes
-    NOISE = 0.05  # [m/s] of the hand's velocity that may be others' doing, at first
+    NOISE = 0.1  # [m/s] of the hand's velocity that may be others' doing, at first
     PATIENCE = 0.9  # share kept of the noise estimate at each sight
     FLOOR = 1e-10  # [m2/s2] so that a perfectly still hand divides by something
     PROMPT = 13.0  # [1/s] how much less likely a late answer is than a prompt one, at first
