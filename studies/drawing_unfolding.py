@@ -9,7 +9,8 @@ from matplotlib.axes import Axes
 
 from agents.agent import Array
 from studies.drawing import BLUE, ORANGE, save, sheet
-from studies.drawing_arm import GREY, draw_arm
+from studies.drawing_arm import GREY, LINK, draw_arm
+from studies.md import arm_points
 from studies.measures import Motion, summed_motion
 
 NAMES = ("MSMA", "MD (Duhaut)")
@@ -77,7 +78,10 @@ def _against(
 
 def moving(goal: Array, paper: Pair, file: Path) -> Path:
     """Both methods side by side, every other step, as a GIF."""
-    figure, axes = sheet(8.0, 4.3, 1, 2)
+    figure, axes = sheet(8.0, 4.1, 1, 2)
+    points = np.concatenate([arm_points(motion.q, LINK).reshape(-1, 2) for motion in paper])
+    middle, half = (points.max(axis=0) + points.min(axis=0)) / 2, np.ptp(points, axis=0).max() / 2
+    (left, bottom), (right, top) = middle - half - 0.07, middle + half + 0.07
     count = max(len(motion.q) for motion in paper)
 
     def show(tick: int) -> list[Axes]:
@@ -87,8 +91,9 @@ def moving(goal: Array, paper: Pair, file: Path) -> Path:
             axis.plot(*motion.hand[: at + 1].T, color=GREY, linewidth=1, linestyle=":")
             draw_arm(axis, motion.q[at], colour)
             axis.plot(*goal, "*", color="black", markersize=13)
-            axis.set(xlim=(-0.8, 1.05), ylim=(-0.75, 1.1), xlabel="x [m]", ylabel="y [m]",
+            axis.set(xlim=(left, right), ylim=(bottom, top), xlabel="x [m]", ylabel="y [m]",
                      title=f"{name}, {0.1 * at:.1f} s", aspect="equal")  # fmt: skip
+            axis.locator_params(nbins=6)
         return axes
 
     show(0)
