@@ -66,10 +66,11 @@ def wild_joint(
         axis.plot([], [], "_", markersize=16, color="#8C8C8C", label="what remains at best")
         axis.set(xlabel="the wild joint", ylabel="distance to the goal, rms [mm]",
                  title=f"perception: {perception}", xticks=joints)  # fmt: skip
-        axis.legend(fontsize=8)
     lows, highs = zip(*(axis.get_ylim() for axis in axes), strict=True)
     for axis in axes:
         axis.set(ylim=(min(lows), max(highs)))
+    names = axes[0].get_legend_handles_labels()
+    figure.legend(*names, fontsize=8, loc="outside lower center", ncols=len(names[0]))
     figure.suptitle("One motor turns at random: what accuracy remains")
     return save(figure, file)
 
