@@ -85,10 +85,12 @@ class Content:
     NEAR = 0.5  # of the trembling: so little missing is as good as none
     AGAIN = 1.5  # of the trembling: so much missing is too much to rest on
     MEMORY = 1.0  # [s] of which the mean is taken
+    CALM = 3.0  # times as long while it rests, of the trembling too: nothing then needs haste
 
     def __init__(self) -> None:
         """Have seen nothing yet."""
         self._missing: Array | None = None
+        self._trembling: Array = np.array(0.0)
         self._content: npt.NDArray[np.bool_] | bool = False
 
     def after(
@@ -101,9 +103,12 @@ class Content:
         """
         if self._missing is None:
             self._missing = missing
-        new = 1.0 - np.exp(-elapsed / self.MEMORY)
-        self._missing = self._missing + new * (missing - self._missing)
-        most = np.where(self._content, self.AGAIN, self.NEAR) ** 2 * trembling
+        memory = np.where(self._content, self.CALM * self.MEMORY, self.MEMORY)
+        new = 1.0 - np.exp(-elapsed / memory)
+        self._missing = self._missing + new[..., None] * (missing - self._missing)
+        new = np.where(self._content, new, 1.0)
+        self._trembling = self._trembling + new * (trembling - self._trembling)
+        most = np.where(self._content, self.AGAIN, self.NEAR) ** 2 * self._trembling
         content: npt.NDArray[np.bool_] = (self._missing * self._missing).sum(axis=-1) < most
         content = content & ~moving
         self._content = content
