@@ -65,6 +65,21 @@ def cos(angle: Array) -> Array:
     return np.cos(angle) if isinstance(angle, _MANY) else cast("Array", math.cos(angle))
 
 
+def arccos(cosine: Array) -> Array:
+    """Return the angle (...) from 0 to pi [rad] of a cosine."""
+    return np.arccos(cosine) if isinstance(cosine, _MANY) else cast("Array", math.acos(cosine))
+
+
+def arcsin(sine: Array) -> Array:
+    """Return the angle (...) within a quarter turn of 0 [rad] of a sine."""
+    return np.arcsin(sine) if isinstance(sine, _MANY) else cast("Array", math.asin(sine))
+
+
+def exp(value: Array) -> Array:
+    """Return e to that power (...)."""
+    return np.exp(value) if isinstance(value, _MANY) else cast("Array", math.exp(value))
+
+
 def arctan2(y: Array, x: Array) -> Array:
     """Return the angle (...) of (x, y) [rad], within -pi to pi."""
     return (
@@ -103,3 +118,13 @@ def where(condition: Mask, yes: Array | float, no: Array | float) -> Array:
         chosen: Array = np.where(condition, yes, no)
         return chosen
     return cast("Array", yes if condition else no)
+
+
+def ramp(value: Array, lower: float, upper: float) -> Array:
+    """Return 0 up to the lower bound, 1 from the upper one on, evenly between: (...)."""
+    return lesser(greater((value - lower) / (upper - lower), 0.0), 1.0)
+
+
+def mixed(one: Array, other: Array | float, share: Array) -> Array:
+    """Return the one (...), with a share of the other, 0 to 1, in its place."""
+    return one + share * (other - one)

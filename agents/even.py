@@ -5,7 +5,7 @@ from math import exp
 import numpy as np
 
 from agents.adaptation import EagerGain
-from agents.agent import Array, Body, Goal
+from agents.agent import Array, Body
 from agents.arithmetic import greater, lesser, sqrt, squared_length, within
 from agents.laws import LineByModel
 
@@ -79,8 +79,8 @@ class EvenLineByModel(LineByModel):
         """Return where to bring the hand: beyond `place` by what stays missing, (..., 3) [m]."""
         return place + self._insistence.after(place - ahead, elapsed)
 
-    def paced(self, t: float, velocity: Array, goal: Goal, distance: Array) -> Array:
+    def paced(self, velocity: Array, missing: Array, going: Array) -> Array:
         """Return the velocity (...) [rad/s], bounded near the goal."""
-        far = distance + self.LEAD * sqrt(squared_length(goal.velocity_at(t)))
+        far = sqrt(squared_length(missing)) + self.LEAD * sqrt(squared_length(going))
         most = self._top_speed * greater(sqrt(lesser(far / self.NEAR, 1.0)), self.LEAST)
         return within(velocity, most)

@@ -8,7 +8,7 @@ import numpy as np
 
 from agents.adaptation import EagerGain, Elapsed, SeenVelocity
 from agents.agent import Array, Body, Goal
-from agents.arithmetic import sqrt, squared_length, where
+from agents.arithmetic import greater, parts, sqrt, squared_length, where, within
 from agents.bend import Bend
 from agents.sight import View
 from agents.stops import Stops
@@ -50,6 +50,7 @@ class LineByModel(Law):
     nothing; it is the encoder that remembers, so what does not turn does not wind up.
     """
 
+    NEAR = 0.2  # [m] off on the level from which a goal is the platform's affair rather than its
     MOST = 0.85  # share of the best turn above which even a lone agent gains nothing
 
     def __init__(
@@ -58,6 +59,8 @@ class LineByModel(Law):
         """Turn joint `joint` (from 0) of that body: see `JointAgent` for the rest."""
         self._joint = joint
         self._stops = Stops(body.robot.lower[joint], body.robot.upper[joint])
+        self._mobile = body.robot.drive is not None
+        self._top_speed = float(body.robot.max_speed[joint])
         self._horizon = horizon
         self._memory = memory
         self._elapsed = Elapsed(body.period, horizon)
@@ -82,9 +85,9 @@ class LineByModel(Law):
         turn = self._stops.turn(t, own.angle, turn)
         kept = exp(-elapsed / self._memory)
         velocity = own.speed * kept + self._gain.after(turn) * turn / self._horizon
-        distance = sqrt(squared_length(goal.at(t) - hand))
-        velocity = self.paced(t, velocity, goal, distance)
-        bent = self._bend.limited(t, own.angle, velocity, distance)
+        missing = goal.at(t) - hand
+        velocity = self.paced(velocity, missing, goal.velocity_at(t))
+        bent = self._bend.limited(t, own.angle, velocity, sqrt(squared_length(missing)))
         return where(abs(turn) > np.pi, velocity, bent)  # the long way leads past straight
 
     def aim(self, place: Array, ahead: Array, elapsed: float) -> Array:
@@ -94,9 +97,20 @@ class LineByModel(Law):
         """
         return place
 
-    def paced(self, t: float, velocity: Array, goal: Goal, distance: Array) -> Array:
-        """Return at what velocity (...) [rad/s] to turn, `distance` (...) [m] from the goal."""
-        return velocity
+    def paced(self, velocity: Array, missing: Array, going: Array) -> Array:
+        """Return at what velocity (...) [rad/s] to turn.
+
+        On a platform that is to bring the arm there first, a goal that is far on the level does
+        not throw the arm about: it does not fold over after one behind it nor stretch for one
+        ahead, only to have to come back. A person, too, walks up to a thing before reaching for it.
+
+        missing: (..., 3) [m] from hand to goal; going: (..., 3) [m/s] of the goal
+        """
+        if not self._mobile:
+            return velocity
+        x, y, _ = parts(missing)
+        near = self.NEAR * self.NEAR
+        return within(velocity, self._top_speed * near / greater(x * x + y * y, near))
 
 
 class StepByModel(Law):

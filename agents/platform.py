@@ -13,6 +13,7 @@ from agents.arithmetic import (
     greater,
     joined,
     lesser,
+    mixed,
     parts,
     sin,
     sqrt,
@@ -20,6 +21,7 @@ from agents.arithmetic import (
     within,
 )
 from agents.deadlock import Deadlock
+from agents.riding import Riding
 from agents.scene import COURSE_SPEED, FAR, Scene, level
 from agents.sight import Perception, Sight
 from agents.towing import Towing
@@ -104,6 +106,7 @@ class PlatformAgent(Agent):
         self._hand_motion, self._motion = SeenVelocity(), SeenVelocity()
         self._heading: Array | None = None
         self._towing = Towing(self._drive.max_linear)
+        self._riding = Riding(self._drive)
         self._deadlock = Deadlock()
 
     def decide(self, percepts: Percepts) -> Array | None:
@@ -117,7 +120,10 @@ class PlatformAgent(Agent):
             return None
         self.perception = "blackboard" if view.certain else "localiser"
         scene = self._scene(percepts.t, view.hand, percepts.base, percepts.goal)
-        linear, angular = self._speeds(self._elapsed.at(percepts.t), scene)
+        elapsed = self._elapsed.at(percepts.t)
+        linear, angular = speeds = self._speeds(elapsed, scene)
+        if view.arm is not None and percepts.joints is not None:
+            linear, angular = self._riding.instead_of(speeds, elapsed, scene, view, percepts.joints)
         waits = self._waits(percepts.t, scene)
         return joined(linear, where(waits, 0.0, within(angular, self._drive.max_angular)))
 
@@ -128,13 +134,15 @@ class PlatformAgent(Agent):
         brisk = 1 + BRISK * scene.steering
         towed_linear, towed_angular = self._towing.speeds(elapsed, scene)
         towing = Towing.share(scene)
-        linear = _mixed(linear, towed_linear, towing)
-        eased_linear = _mixed(eased_linear, towed_linear, towing)
-        eased_angular = _mixed(eased_angular * brisk, towed_angular, towing)
-        top = _mixed(top, self._drive.max_linear, towing)
+        linear = mixed(linear, towed_linear, towing)
+        eased_linear = mixed(eased_linear, towed_linear, towing)
+        eased_angular = mixed(eased_angular * brisk, towed_angular, towing)
+        top = mixed(top, self._drive.max_linear, towing)
+        faster = eased_linear - scene.linear
         ease_linear = self._ease_linear * elapsed
+        braking = ease_linear * (1 + BRAKES * (1 - scene.led_on))
         ease_angular = self._ease_angular * elapsed * (2 * brisk - 1)
-        linear = linear + within(eased_linear - scene.linear, ease_linear)
+        linear = linear + greater(lesser(faster, ease_linear), -braking)
         angular = angular + within(eased_angular - scene.angular, ease_angular)
         return lesser(greater(linear, 0.0), top), angular
 
@@ -225,12 +233,8 @@ class PlatformAgent(Agent):
 LEAD = 0.13  # [m] how far along the hand's travel a steering platform looks, at the least
 NEAR_ROOT = 0.05  # [m] from the arm's root within which the arm points nowhere
 ARM_WEIGHT = 0.4  # of where the arm points, beside where the hand has to go
+BRAKES = 9.0  # times as briskly again does it slow down for a goal that stands still
 BRISK = 14.0  # times as briskly does it line up where turning does not serve the hand
-
-
-def _mixed(one: Array, other: Array | float, share: Array) -> Array:
-    """Return the one (...), with a share of the other, 0 to 1, in its place."""
-    return one + share * (other - one)
 
 
 def _velocity(seen: SeenVelocity, t: float, place: Array) -> Array:

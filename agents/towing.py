@@ -3,7 +3,7 @@
 from math import exp
 
 from agents.agent import Array
-from agents.arithmetic import arctan2, cos, greater, lesser, sin
+from agents.arithmetic import arctan2, cos, greater, lesser, ramp, sin
 from agents.scene import Scene
 
 
@@ -18,7 +18,7 @@ class Towing:
     bend wide enough for what it draws, and never backs up.
     """
 
-    BEGINS = 0.15  # [m] of the hand behind the axle from which it is towed and nothing else
+    BEHIND = -0.15, 0.0  # [m] of the hand ahead of the axle: towed and nothing else, not towed
     LOOKS = 0.16  # [m] along the line, beyond the place abreast of which the axle is to be
     TURNS = 1.1  # [rad/s] for each radian off that way
     AGREES = 4.4  # [1/s] at which it takes on the goal's speed
@@ -33,8 +33,7 @@ class Towing:
     @classmethod
     def share(cls, scene: Scene) -> Array:
         """Return how much (...), 0 to 1, the hand is towed."""
-        behind = lesser(greater(-scene.carried / cls.BEGINS, 0.0), 1.0)
-        return behind * scene.led_on
+        return (1 - ramp(scene.carried, *cls.BEHIND)) * scene.led_on
 
     def speeds(self, elapsed: float, scene: Scene) -> tuple[Array, Array]:
         """Return linear (...) [m/s] and angular (...) [rad/s], `elapsed` [s] after the last."""
