@@ -44,7 +44,8 @@ class PlatformAgent(Agent):
        This is bounded in acceleration, so that it costs the hand no more than a millimetre or so
        and the person beside the robot sees smooth, foreseeable moves. Where turning does not
        serve the hand, lining up is all the steering, and brisker (`Scene.steering`); a hand
-       that it carries behind its axle it tows (`Towing`).
+       that it carries behind its axle it tows (`Towing`), and one that but a single joint still
+       lifts rides on it (`Riding`).
     4. *Leave deadlocks*: when it turns and the arm turns back, and the hand gets no nearer, it
        stops turning for a cycle and lets the arm go first (`Deadlock`).
     """
