@@ -50,7 +50,7 @@ class LineByModel(Law):
     nothing; it is the encoder that remembers, so what does not turn does not wind up.
     """
 
-    NEAR = 0.2  # [m] off on the level from which a goal is the platform's affair rather than its
+    NEAR = 0.2242  # [m] off on the level from which a goal is the platform's affair rather than its
     MOST = 0.85  # share of the best turn above which even a lone agent gains nothing
 
     def __init__(

@@ -93,7 +93,7 @@ class Lift(NamedTuple):
         return greater(sqrt(self.up.at_0 * self.up.at_0 + self.up.at_90 * self.up.at_90), 1e-9)
 
 
-FORESEEN = 0.93  # of the circle's height, up to which the hand's way is worked out beforehand
+FORESEEN = 0.91  # of the circle's height, up to which the hand's way is worked out beforehand
 NEXT_TO_TOP = 0.97  # of the circle's height, beyond which there is no telling
 LEAST_RATE = 1e-4  # [m/rad] of height, so that no slope is infinite
 
@@ -105,7 +105,7 @@ class Lifting:
     whether the others are locked, dead or done.
     """
 
-    NOTICES = 0.6  # [s] over which it watches
+    NOTICES = 0.7433  # [s] over which it watches
     STILL = 1e-3  # [m/s] of the hand that is no motion
 
     def __init__(self) -> None:

@@ -234,7 +234,7 @@ class PlatformAgent(Agent):
 LEAD = 0.13  # [m] how far along the hand's travel a steering platform looks, at the least
 NEAR_ROOT = 0.05  # [m] from the arm's root within which the arm points nowhere
 ARM_WEIGHT = 0.4  # of where the arm points, beside where the hand has to go
-BRAKES = 9.0  # times as briskly again does it slow down for a goal that stands still
+BRAKES = 8.556  # times as briskly again does it slow down for a goal that stands still
 BRISK = 14.0  # times as briskly does it line up where turning does not serve the hand
 
 

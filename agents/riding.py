@@ -43,17 +43,17 @@ class Riding:
     level with their mouth.
     """
 
-    BESIDE = 0.2, 0.4  # [m] of the hand ahead of the axle: ridden up to there, served beyond
-    ALONE = 0.95, 0.99  # share of the hand's motion that is one joint's: not ridden, ridden
-    BRISK = 2.3  # [rad/s2] with which turning changes
-    LEADS = 0.06, 0.16  # [m] of the hand ahead of the axle: carted up to there, led from there
-    KEEN = 2.0  # [1/s] of what a led hand misses
-    LOOKS = 0.06  # [m] along the line that the axle keeps to, at the least
-    SOON = 0.8  # [s] of driving that it looks ahead, at the least
+    BESIDE = 0.25, 0.4188  # [m] of the hand ahead of the axle: ridden up to there, served beyond
+    ALONE = 0.95, 0.9885  # share of the hand's motion that is one joint's: not ridden, ridden
+    BRISK = 3.074  # [rad/s2] with which turning changes
+    LEADS = 0.03825, 0.1474  # [m] of the hand ahead of the axle: carted up to there, led from there
+    KEEN = 2.047  # [1/s] of what a led hand misses
+    LOOKS = 0.04  # [m] along the line that the axle keeps to, at the least
+    SOON = 0.623  # [s] of driving that it looks ahead, at the least
     TURNS = 2.5  # [rad/s] for each radian off that way
-    AGREES = 7.0  # [1/s] at which it takes on the goal's speed
-    CATCHES_UP = 15.0  # [1/s2] for each metre that it is behind its place
-    OFF = 0.5  # sine of the most that it heads off where the goal goes
+    AGREES = 9.3  # [1/s] at which it takes on the goal's speed
+    CATCHES_UP = 19.26  # [1/s2] for each metre that it is behind its place
+    OFF = 0.43  # sine of the most that it heads off where the goal goes
     LEVERS = 5.0  # distances of hand and axle that the goal goes on by in the time foreseen
     LONGEST = 40.0  # [s] that are foreseen at the most
     STEPS = 12  # in which it is foreseen

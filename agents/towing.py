@@ -19,8 +19,8 @@ class Towing:
     """
 
     BEHIND = -0.15, 0.0  # [m] of the hand ahead of the axle: towed and nothing else, not towed
-    LOOKS = 0.16  # [m] along the line, beyond the place abreast of which the axle is to be
-    TURNS = 1.1  # [rad/s] for each radian off that way
+    LOOKS = 0.2054  # [m] along the line, beyond the place abreast of which the axle is to be
+    TURNS = 1.882  # [rad/s] for each radian off that way
     AGREES = 4.4  # [1/s] at which it takes on the goal's speed
     CATCHES_UP = 8.0  # [1/s2] for each metre that it is behind its place
     SETTLES = 0.2  # [s] in which it takes in that the arm carries the hand elsewhere
