@@ -8,6 +8,7 @@ from math import isfinite
 import numpy as np
 
 from agents.agent import Agent, Array
+from runtime.processes.backlog import Backlog
 from runtime.processes.process import Loop, Process
 from runtime.processes.senses import Senses
 from runtime.wire import keys
@@ -47,6 +48,7 @@ class AgentLoop(Loop):
         self._shape = (2,) if self._joint is None else ()
         fresh = freshness(deployment.period, deployment.speed)
         self._senses = Senses(deployment.description.robot, fresh, process.refusals)
+        self._backlog = Backlog(deployment.period, deployment.speed)
         self._late = 1.5 * deployment.period
         self._most_behind = max(_BEHIND, round(_FOR * deployment.speed / deployment.period))
         self._pause = _PAUSE * deployment.period / deployment.speed
@@ -74,9 +76,9 @@ class AgentLoop(Loop):
     def _perceive(self, arrivals: Sequence[Arrival]) -> None:
         """Take what came, and decide if it calls for that.
 
-        It decides on each of the plant's states, as long as it keeps up with most; where it can
-        not, because others need the processors, it rests after a decision for as long as the next
-        is of no use.
+        It decides on each of the plant's states behind which no newer one waits, as long as it
+        keeps up with most; where it can not, because others need the processors, it rests after a
+        decision for as long as the next is of no use.
         """
         now = time.monotonic()
         self._paused = self._paused or now - self._done > self._pause
@@ -91,8 +93,8 @@ class AgentLoop(Loop):
 
     def _due(self, now: float, waited: bool) -> None:
         """Decide, or rest; `waited`: the state was there before the last decision was made."""
-        if self._rested and waited:
-            return  # there is a newer one
+        if self._backlog.overtaken(self._senses.t, now, waited=waited):
+            return
         before = self._process.t
         self._turn(now)
         spent = time.monotonic() - now

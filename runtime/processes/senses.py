@@ -28,6 +28,7 @@ class Senses:
 
     robot: whose joints the joint states must be of
     fresh: how long what arrived is worth perceiving [s]
+    t: the moment that the plant told of last [s]
     """
 
     def __init__(self, robot: Robot, fresh: float, refusals: Refusals) -> None:
@@ -47,6 +48,7 @@ class Senses:
         self._bases: deque[PlatformPose] = deque(maxlen=_KEPT)
         self._refusals = refusals
         self._goal_known: tuple[GoalMessage, Goal] | None = None
+        self.t = 0.0
 
     def take(self, arrival: Arrival, now: float) -> bool:
         """Take what arrived `now` [s]; tell whether it calls for a decision.
@@ -56,17 +58,24 @@ class Senses:
         """
         match arrival.key:
             case keys.JOINTS:
-                return _keep(self._joints.take(arrival.data, now), self._states)
+                return self._keep(self._joints.take(arrival.data, now), self._states)
             case keys.HAND:
-                seen = _keep(self._hand.take(arrival.data, now), self._hands)
+                seen = self._keep(self._hand.take(arrival.data, now), self._hands)
                 return seen and self._joints.fresh(now) is None
             case keys.PLATFORM:
-                _keep(self._base.take(arrival.data, now), self._bases)
+                self._keep(self._base.take(arrival.data, now), self._bases)
             case keys.GOAL | keys.KNOWN_GOAL:
                 self._goal.take(arrival.key, arrival.data, now)
             case stranger:
                 self._refusals.count_unknown(stranger)
         return False
+
+    def _keep(self, message: S | None, kept: deque[S]) -> bool:
+        if message is None:
+            return False
+        kept.append(message)
+        self.t = message.t
+        return True
 
     def percepts(self, now: float) -> Percepts | None:
         """Return what is fresh `now` [s], and the goal, which never goes stale; None if blind."""
@@ -101,12 +110,6 @@ class Senses:
             )
             self._goal_known = (message, goal)
         return self._goal_known[1]
-
-
-def _keep(message: S | None, kept: deque[S]) -> bool:
-    if message is not None:
-        kept.append(message)
-    return message is not None
 
 
 def _of(moment: float, newest: S, kept: deque[S]) -> S:
