@@ -1,23 +1,32 @@
-"""The loop from state to command through real processes, beside plain Zenoh that only echoes."""
+"""The loop from state to command through real processes, beside plain Zenoh that only echoes.
 
-from collections.abc import Mapping, Sequence
+Where a bar is a matter of processors' time, beside an echo that also decides: the least that a loop
+of as many processes in Python, with these laws, can take on the machine.
+"""
+
+import time
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from statistics import median
 
 from bench.bench import Bench, Check, Result, Table
-from bench.echo.load import ROLES, Part, arguments
+from bench.echo.deciding import thought_of
+from bench.echo.load import AGENTS, ROLES, Part, arguments
 from bench.echo.side import Measured
 from bench.echo.side import run as run_side
 from bench.ours import ARPH, deployed, run_ours
 from bench.places import free_port
-from bench.turns import in_turn, ratio
+from bench.turns import Ratio, in_turn, ratio
 from studies.study import Row, Watch
 
 RATES = {17: 5.0, 100: 4.0, 500: 10.0, 1000: 8.0, 2000: 3.0}
 """Rate [Hz] to how long it is measured in each round [s]."""
 ROUNDS = 3
-OURS, PLAIN = "msma", "plain Zenoh"
+LIMITED = (500, 1000)
+"""Rates [Hz] at which the limit is measured too: those of the bars on time and processors."""
+OURS, PLAIN, LIMIT = "msma", "plain Zenoh", "plain Zenoh that also decides"
+_THOUGHTS = 500  # in a row
 MOST_OFF = 0.006
 """Off the goal in a run that counts as done [m]: at 60 ms, twice what the paper says."""
 
@@ -35,9 +44,9 @@ class LoopBench(Bench):
         self._rates, self._rounds = rates, rounds
 
     def measure(self, size: float, watch: Watch) -> Result:
-        """Measure both sides in turn at each rate."""
+        """Measure all sides in turn at each rate."""
         rounds = max(round(self._rounds * min(4 * size, 1)), 1)
-        watch.expect(2 * rounds * len(self._rates))
+        watch.expect(rounds * sum(2 + (rate in LIMITED) for rate in self._rates))
         checks: list[Check] = []
         found: dict[int, Runs] = {}
         for rate, full in self._rates.items():
@@ -60,12 +69,17 @@ class LoopBench(Bench):
                 watch.at(f"{rate} Hz, {PLAIN}")
                 return run_plain(1 / 0.06 if rate == 17 else rate, seconds)
 
-            found[rate] = in_turn({OURS: ours, PLAIN: plain}, rounds)
+            def limit(rate: int = rate, seconds: float = seconds) -> Measured:
+                watch.at(f"{rate} Hz, {LIMIT}")
+                return run_plain(rate, seconds, decides=True)
+
+            sides = {OURS: ours, PLAIN: plain} | ({LIMIT: limit} if rate in LIMITED else {})
+            found[rate] = in_turn(sides, rounds)
             checks += _checks(rate, found[rate], max(off))
         return Result(
             checks=tuple(checks),
-            bars=tuple(_bars(found)),
-            tables=(_times(found), _costs(found)),
+            bars=tuple(bars(found)),
+            tables=(_times(found), _costs(found), *thoughts(found)),
             notes=NOTES,
             data={
                 str(rate): {
@@ -96,15 +110,12 @@ class LoopBench(Bench):
         return (answer_times(curves, folder / "loop.png"),)
 
 
-def run_plain(rate: float, seconds: float) -> Measured:
-    """Let plain Zenoh echo, in as many processes as ours."""
+def run_plain(rate: float, seconds: float, *, decides: bool = False) -> Measured:
+    """Let plain Zenoh echo, in as many processes as ours, each of which also `decides` if so."""
     port = free_port()
+    program = "bench.echo.deciding" if decides else "bench.echo.plain_zenoh"
     return run_side(
-        {
-            role: ["bench.echo.plain_zenoh", *arguments(Part(role, rate, seconds, port))]
-            for role in ROLES
-        },
-        seconds,
+        {role: [program, *arguments(Part(role, rate, seconds, port))] for role in ROLES}, seconds
     )
 
 
@@ -125,26 +136,22 @@ def _checks(rate: int, sides: Runs, off: float) -> list[Check]:
     return checks
 
 
-def _bars(found: Mapping[int, Runs]) -> list[Row]:
+def bars(found: Mapping[int, Runs]) -> list[Row]:
+    """Return what was to be reached; where it is a matter of time, beside what can be."""
     rows = []
     if 1000 in found:
-        fast, plain = found[1000][OURS], found[1000][PLAIN]
-        slower = ratio([run.time("p99") for run in fast], [run.time("p99") for run in plain])
+        slower = _slower(found[1000], OURS)
+        words = f"{slower.text()}; {LIMIT}: {_slower(found[1000], LIMIT).text()}"
         rows += [
-            _answered(1000, fast, 0.999),
-            Row(
-                "1 kHz: p99 beside plain Zenoh",
-                "at most 1.5 x",
-                slower.text(),
-                slower.median <= 1.5,
-            ),
+            _answered(1000, found[1000], 0.999),
+            Row("1 kHz: p99 beside plain Zenoh", "at most 1.5 x", words, slower.median <= 1.5),
         ]
     if 500 in found:
-        half = found[500][OURS]
-        cores = median(run.cores for run in half)
+        cores = {side: median(run.cores for run in runs) for side, runs in found[500].items()}
+        words = _beside({side: f"{each:.2f} cores" for side, each in cores.items()})
         rows += [
-            _answered(500, half, 0.9999),
-            Row("500 Hz: all processes together", "under 1 core", f"{cores:.2f} cores", cores < 1),
+            _answered(500, found[500], 0.9999),
+            Row("500 Hz: all processes together", "under 1 core", words, cores[OURS] < 1),
         ]
     if 17 in found:
         used = [usage for run in found[17][OURS] for usage in run.usage.values()]
@@ -157,18 +164,33 @@ def _bars(found: Mapping[int, Runs]) -> list[Row]:
     return rows
 
 
-def _answered(rate: int, runs: Sequence[Measured], bar: float) -> Row:
+def _slower(sides: Runs, side: str) -> Ratio:
+    times = {each: [run.time("p99") for run in sides[each]] for each in (side, PLAIN)}
+    return ratio(times[side], times[PLAIN])
+
+
+def _answered(rate: int, sides: Runs, bar: float) -> Row:
+    share = {side: _in_time(runs) for side, runs in sides.items()}
+    words = _beside({side: f"{100 * each:.3f} %" for side, each in share.items()})
+    what = f"{rate} Hz: answered by all in the period"
+    return Row(what, f"{100 * bar:g} %", words, share[OURS] >= bar)
+
+
+def _beside(figures: Mapping[str, str]) -> str:
+    """Return our figure, and by name those that say what there is to be had."""
+    others = [f"{side}: {figure}" for side, figure in figures.items() if side != OURS]
+    return "; ".join((figures[OURS], *others))
+
+
+def _in_time(runs: Sequence[Measured]) -> float:
     due = sum(run.ticks["ticks"] + run.ticks["missed"] for run in runs)
-    share = sum(run.ticks["in_time"] for run in runs) / due
-    words = f"{100 * share:.3f} % of {due}"
-    return Row(f"{rate} Hz: answered by all in the period", f"{100 * bar:g} %", words, share >= bar)
+    return float(sum(run.ticks["in_time"] for run in runs) / due)
 
 
 def _times(found: Mapping[int, Runs]) -> Table:
     rows = []
     for rate, sides in found.items():
         for side, runs in sides.items():
-            due = sum(run.ticks["ticks"] + run.ticks["missed"] for run in runs)
             times = [
                 f"{1e3 * median(run.time(which) for run in runs):.2f}"
                 for which in ("p50", "p99", "p999", "worst")
@@ -177,8 +199,7 @@ def _times(found: Mapping[int, Runs]) -> Table:
                 ratio([run.time(which) for run in runs], [run.time(which) for run in sides[PLAIN]])
                 for which in ("p50", "p99")
             ]
-            share = sum(run.ticks["in_time"] for run in runs) / due
-            rows.append((f"{rate} Hz", side, *times, f"{100 * share:.3f} %",
+            rows.append((f"{rate} Hz", side, *times, f"{100 * _in_time(runs):.3f} %",
                          *(each.text() if side != PLAIN else "" for each in beside)))  # fmt: skip
     head = ("rate", "side", "p50 [ms]", "p99", "p99.9", "max", "all in time",
             "p50 beside plain", "p99 beside plain")  # fmt: skip
@@ -205,11 +226,44 @@ def _costs(found: Mapping[int, Runs]) -> Table:
     return Table("what the processes cost", head, tuple(rows))
 
 
+def thoughts(found: Mapping[int, Runs]) -> list[Table]:
+    """Return what the same thought takes alone, and once a tick among all the others."""
+    rates = [rate for rate in found if rate in LIMITED]
+    rows = []
+    for role in (ROLES[0], *AGENTS) if rates else ():
+        more = [
+            median(
+                with_it.usage[role].cpu - without.usage[role].cpu
+                for with_it, without in zip(found[rate][LIMIT], found[rate][PLAIN], strict=True)
+            )
+            / rate
+            for rate in rates
+        ]
+        alone = _alone(thought_of(role, 1 / max(rates)))
+        rows.append((role, f"{1e6 * alone:.0f}", *(f"{1e6 * each:.0f}" for each in more)))
+    head = ("process", "again and again, alone", *(f"at {rate} Hz, among all" for rate in rates))
+    return [Table("one thought [us of a processor]", head, tuple(rows))] if rates else []
+
+
+def _alone(think: Callable[[], object]) -> float:
+    """Return how long it takes [s] when nothing else runs, once it has run for a while."""
+    for _ in range(_THOUGHTS):
+        think()
+    begun = time.perf_counter()
+    for _ in range(_THOUGHTS):
+        think()
+    return (time.perf_counter() - begun) / _THOUGHTS
+
+
 NOTES = (
     "Each round starts all processes of each side anew; times are medians over the rounds, shares "
     "are of all their ticks, ratios are of the two sides in the same round (least to most).",
     "Plain Zenoh has the same sessions, keys, sizes and number of processes; its agents send the "
     "number of the tick back and do nothing else.",
+    "Plain Zenoh that also decides does in each agent what our agent's law does for one decision, "
+    "on percepts that were recorded, and a step of the simulation in the plant; it reads, checks "
+    "and logs nothing. What it does not reach, no loop of as many processes in Python reaches with "
+    "these laws on this machine. What that adds to a process's time per tick is one thought.",
     "A tick counts as answered in time when the commands of all seven have arrived within its "
     "period at the process that told it, by that process's clock. Ticks that it was too late to "
     "tell count as not answered.",

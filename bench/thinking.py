@@ -10,6 +10,7 @@ import numpy as np
 from agents.agent import Agent, Array, Body, Goal, Percepts
 from agents.joint import JointAgent
 from bench.ours import ARPH, deployed
+from plant.motion import Commands
 from plant.robot import Robot
 from plant.simulator import Simulator
 from plant.urdf import load
@@ -23,17 +24,37 @@ class Case(NamedTuple):
     seen: Sequence[Percepts]
 
 
-def single_cases(ticks: int) -> dict[str, Case]:
-    """Return the agents of the mobile arm and of the planar arm, with runs that they had."""
-    arph = deployed(ARPH)
-    robot = arph.description.robot
+class ArmRun(NamedTuple):
+    """The mobile arm after some ticks.
+
+    agents: by role; seen: what they perceived, tick by tick; commands: the last
+    """
+
+    plant: Simulator
+    agents: Mapping[str, Agent]
+    seen: Sequence[Percepts]
+    commands: Commands
+
+
+def arm_run(ticks: int, period: float | None = None) -> ArmRun:
+    """Let the mobile arm's agents move it along its goal, at `period` [s] or the paper's."""
+    arph = deployed(ARPH, *([] if period is None else [f"period={1e3 * period:g} ms"]))
     assert arph.goal is not None
     assert arph.start.platform is not None
     plant = Simulator(
-        robot, np.array(arph.start.joints), np.array(arph.start.platform), period=arph.period
+        arph.description.robot,
+        np.array(arph.start.joints),
+        np.array(arph.start.platform),
+        period=arph.period,
     )
     agents = {spec.role: arph.build_agent(spec.role) for spec in arph.agents}
-    seen = _run(plant, agents, arph.goal.build().piece, ticks)
+    return _run(plant, agents, arph.goal.build().piece, ticks)
+
+
+def single_cases(ticks: int) -> dict[str, Case]:
+    """Return the agents of the mobile arm and of the planar arm, with runs that they had."""
+    arph = deployed(ARPH)
+    seen = arm_run(ticks).seen
     names = {
         "joint/2 of six": "joint/2",
         "joint/3 of six, an elbow": "joint/3",
@@ -45,7 +66,7 @@ def single_cases(ticks: int) -> dict[str, Case]:
     path = Goal(np.array([0.37, 0.44, 0.0]), np.array([0.02, -0.02, 0.0]), 0.0, 1e6)
     plant = Simulator(planar, np.radians([-30.0, 40.0, 40.0, 40.0, 40.0]), period=0.02)
     crew = {f"joint/{i + 1}": _joint(planar, i, "auto") for i in range(5)}
-    seen = _run(plant, crew, lambda _: path, ticks)
+    seen = _run(plant, crew, lambda _: path, ticks).seen
     for sees in ("blackboard", "auto", "localiser"):
         cases[f"joint/2 of planar five, {sees}"] = Case(partial(_joint, planar, 1, sees), seen)
     return cases
@@ -58,14 +79,15 @@ def _joint(robot: Robot, index: int, perception: str) -> Agent:
 
 def _run(
     plant: Simulator, agents: Mapping[str, Agent], piece: Callable[[float], Goal], ticks: int
-) -> list[Percepts]:
-    """Let agents move a plant, and return what they saw."""
+) -> ArmRun:
+    """Let agents move a plant."""
     seen = []
     for _ in range(ticks):
         percepts = percepts_of(plant, piece(plant.state.t))
         seen.append(percepts)
-        plant.step(decide_all(agents, percepts, plant.state.q.shape))
-    return seen
+        commands = decide_all(agents, percepts, plant.state.q.shape)
+        plant.step(commands)
+    return ArmRun(plant, agents, seen, commands)
 
 
 def batched(case: Case, count: int) -> Case:

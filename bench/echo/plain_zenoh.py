@@ -2,7 +2,7 @@
 
 import time
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import zenoh
 from zenoh.handlers import RingChannel
@@ -25,15 +25,23 @@ from runtime.wire.mesh import on_loopback
 from runtime.wire.session import config
 
 
+def nothing() -> None:
+    """Do nothing at all."""
+
+
 def main() -> None:
     """Be the part that the command line names."""
-    part = part_of()
+    be(part_of())
+
+
+def be(part: Part, think: Callable[[], object] = nothing) -> None:
+    """Be that part, and `think` before each message that is told."""
     slot = ROLES.index(part.role)
     with zenoh.open(config("echo", on_loopback(part.port, len(ROLES)).seat(slot))) as session:
         if part.role == "plant":
-            _plant(session, part)
+            _plant(session, part, think)
         else:
-            _answer(session, part)
+            _answer(session, part, think)
 
 
 def _publisher(session: zenoh.Session, key: str, *, express: bool = True) -> zenoh.Publisher:
@@ -45,7 +53,7 @@ def _publisher(session: zenoh.Session, key: str, *, express: bool = True) -> zen
     )
 
 
-def _plant(session: zenoh.Session, part: Part) -> None:
+def _plant(session: zenoh.Session, part: Part, think: Callable[[], object]) -> None:
     came: deque[tuple[str, float, zenoh.Sample]] = deque()
 
     def listen(role: str) -> None:
@@ -59,6 +67,7 @@ def _plant(session: zenoh.Session, part: Part) -> None:
     out = [_publisher(session, key, express=key == JOINT_STATES) for key in STATES]
 
     def tell(tick: int) -> None:
+        think()
         for publisher, size in zip(out, STATES.values(), strict=True):
             publisher.put(message(tick, size))
 
@@ -70,7 +79,7 @@ def _plant(session: zenoh.Session, part: Part) -> None:
     be_plant(part, tell, heard)
 
 
-def _answer(session: zenoh.Session, part: Part) -> None:
+def _answer(session: zenoh.Session, part: Part, think: Callable[[], object]) -> None:
     key = GOAL if part.role == GOAL else command_key(part.role)
     out = _publisher(session, key)
     states = session.declare_subscriber(JOINT_STATES, RingChannel(1))
@@ -87,6 +96,7 @@ def _answer(session: zenoh.Session, part: Part) -> None:
             for other in others:
                 while (sample := other.try_recv()) is not None:
                     sample.payload.to_bytes()
+            think()
             return state
 
         be_agent(part, newest, out.put)

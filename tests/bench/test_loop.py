@@ -20,8 +20,9 @@ from bench.echo.load import (
     part_of,
     tick_of,
 )
-from bench.echo.side import run
-from bench.loop import OURS, PLAIN, LoopBench
+from bench.echo.side import Measured, run
+from bench.loop import LIMIT, OURS, PLAIN, LoopBench, bars, run_plain, thoughts
+from bench.usage import Usage
 from runtime.wire import keys
 from runtime.wire.messages import (
     GoalMessage,
@@ -80,6 +81,40 @@ def test_both_sides_answer_and_are_weighed(tmp_path: Path) -> None:
     assert len(times.rows) == len(costs.rows) == 2
     (picture,) = bench.draw(result, tmp_path)
     assert picture.stat().st_size > 5000
+
+
+def test_what_also_decides_answers_every_agent_too() -> None:
+    told = run_plain(50, 0.5, decides=True).ticks
+    assert told["ticks"] + told["missed"] == 25
+    assert all(told["heard"].values()), told
+
+
+def measured(in_time: int, p99: float, cpu: float) -> Measured:
+    """Return what a run of 1000 ticks at 1 kHz gave."""
+    times = {"p50": p99, "p99": p99, "p999": p99, "worst": p99}
+    ticks = {"ticks": 1000, "missed": 0, "in_time": in_time, "times": times}
+    return Measured(ticks, {role: Usage(cpu, 1, 1, 1) for role in ROLES}, 1.0)
+
+
+def test_a_bar_that_is_missed_stays_missed_and_names_what_there_is_to_be_had() -> None:
+    sides = {
+        OURS: [measured(0, 0.004, 0.2)],
+        PLAIN: [measured(1000, 0.001, 0.05)],
+        LIMIT: [measured(30, 0.003, 0.15)],
+    }
+    answered, slower = bars({1000: sides})
+    assert (answered.held, slower.held) == (False, False)
+    assert f"0.000 %; {PLAIN}: 100.000 %; {LIMIT}: 3.000 %" in answered.measured
+    assert slower.measured.startswith("4.00 x")
+    assert f"{LIMIT}: 3.00 x" in slower.measured
+
+
+def test_a_thought_is_measured_alone_and_among_the_others() -> None:
+    sides = {PLAIN: [measured(0, 0.1, 0.05)], LIMIT: [measured(0, 0.1, 0.15)]}
+    (table,) = thoughts({1000: sides})
+    assert [row[0] for row in table.rows] == ["plant", *AGENTS]
+    assert all(float(alone) > 0 and among == "100" for _, alone, among in table.rows)
+    assert thoughts({17: sides}) == []
 
 
 def test_a_side_whose_plant_ends_is_said_to_have_ended() -> None:
