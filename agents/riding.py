@@ -80,6 +80,8 @@ class Riding:
             self._lifting = Lifting()
         lift = self._lifting.watch(elapsed, view, joints, scene)
         ridden = ridden * ramp(lift.alone, *self.ALONE) * view.modelled
+        if not np.any(ridden):  # as while several joints move, and the rest takes long
+            return greater(speeds[0], 0.0), speeds[1]
         linear, angular = self._speeds(elapsed, scene, lift)
         angular = scene.angular + within(angular - scene.angular, self.BRISK * elapsed)
         return greater(mixed(speeds[0], linear, ridden), 0.0), mixed(speeds[1], angular, ridden)
