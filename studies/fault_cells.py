@@ -8,6 +8,7 @@ import numpy as np
 
 from agents.agent import Agent, Array
 from agents.sight import Perception
+from plant.kinematics import kinematics_of
 from studies.jams import BatchFaults
 from studies.lockstep import Trace, run
 from studies.mobile import ARPH, BASE, DURATION, PERIOD, POSTURE, msma, plant, task
@@ -59,6 +60,9 @@ class Outcome(NamedTuple):
         worst: Largest error from there on [m]; inf for never.
         final: Error at the end [m].
         growing: Whether the error was larger in the last two seconds than in those before.
+        coming: Whether it was less than half of that.
+        slides: How far the hand moves on the level for each metre that the one joint left to lift
+            it lifts it, at the end [m/m]; NaN where shoulder and elbow, or neither, are left.
         reversed: Distance that the platform went backwards [m].
         elbow: Least angle of the elbow from straight after acquisition [rad].
         possible: When a plan is on the path, after the fault [s]; inf where none is known.
@@ -69,6 +73,8 @@ class Outcome(NamedTuple):
     worst: Array
     final: Array
     growing: Bools
+    coming: Bools
+    slides: Array
     reversed: Array
     elbow: Array
     possible: Array
@@ -216,10 +222,21 @@ def outcome(cells: Cells, trace: Trace, possible: tuple[Array, Bools]) -> Outcom
         worst,
         final,
         (final > TOLERANCE) & (late > before + TOLERANCE),
+        late < 0.5 * before,
+        _slides(cells, trace),
         reversal(trace.base_velocity, dt),
         elbow,
         *possible,
     )
+
+
+def _slides(cells: Cells, trace: Trace) -> Array:
+    arm = kinematics_of(ARPH).forward(trace.q[-1], trace.base[-1])
+    ways = np.cross(arm.axes[:, 1:3], (arm.tip[:, None] - arm.points)[:, 1:3])  # for each radian
+    slides = np.hypot(ways[..., 0], ways[..., 1]) / np.maximum(np.abs(ways[..., 2]), 1e-9)
+    left = np.isnan(cells.locks[:, 1:])
+    alone: Array = np.where(left.sum(axis=1) == 1, np.where(left, slides, 0.0).sum(axis=1), np.nan)
+    return alone
 
 
 def oracle(cells: Cells) -> tuple[Array, Bools]:

@@ -20,12 +20,15 @@ from studies.fault_cells import (
     play,
     single_locks,
 )
+from studies.reach import Bools
 from studies.study import Claim, Findings, Row, Study, Watch, share
 
 NEAR_STRAIGHT = np.radians(15.0)
 """Bar on the elbow [rad]."""
 SHOWN = 12
-"""Misses that are listed in words for each map."""
+"""Misses that are listed in words for each reason on each map."""
+STEEP = 0.9
+"""Metres on the level for each metre up from which a hand slides more than it rises, nearly."""
 
 
 class Map(NamedTuple):
@@ -88,8 +91,7 @@ class FaultMap(Study[MapFound]):
                 "Undecided cells, where the height would do but no plan is known, do not count.",
                 "Growing: the error is still larger in the last two seconds than in those before, "
                 "by more than 3 mm.",
-                *(_misses(found) for found in maps),
-                _by_bearing(maps[2]),
+                *(misses(found) for found in maps),
             ),
             maps=tuple(maps),
         )
@@ -166,30 +168,29 @@ def _share(found: Map) -> str:
     return share(float((found.outcome.success & can).sum()), float(can.sum()))
 
 
-def _by_bearing(pairs: Map) -> str:
-    """Success of the pairs by how far off forward joint 1 is locked, and why that matters."""
-    off = np.degrees(np.abs(pairs.cells.locks[:, 0]))
-    o = pairs.outcome
-    words = []
-    for low, high in ((0, 50), (60, 120), (130, 180)):
-        rows = o.reachable & (off > low - 5) & (off < high + 5)
-        done = share(float((o.success & rows).sum()), float(rows.sum()))
-        words.append(f"{low} to {high} deg: {done}")
-    return (
-        f"{pairs.cells.name}, by how far off forward joint 1 is locked: {'; '.join(words)}. With "
-        "joint 1 and one more locked only the platform steers the hand. With the hand ahead of the "
-        "axle, turning so as to bring it nearer lines the platform up by itself; with the hand "
-        "beside or behind it, that is a trailer being backed up: the heading runs away from the "
-        "path, and to come nearer for good the platform would first have to move the hand away."
+def misses(found: Map) -> str:
+    """The reachable cells that did not end on the path, in words, by why they did not."""
+    o, cells = found.outcome, found.cells
+    missed = o.reachable & ~o.success
+    if not missed.any():
+        return f"{cells.name}: no reachable cell is missed."
+    steep = missed & ~o.coming & (o.slides > STEEP)
+    reasons = (
+        ("the hand is near the top of the circle on which the one joint left lifts it, and slides "
+         f"more than {STEEP:g} m on the level for each metre up", steep),
+        ("it is still on its way: the error of the last two seconds is less than half of that of "
+         "those before", missed & o.coming),
+        ("neither of these", missed & ~o.coming & ~steep),
+    )  # fmt: skip
+    return f"{cells.name}, missed: " + " ".join(
+        f"{rows.sum()} where {reason} ({_listed(found, rows)})."
+        for reason, rows in reasons
+        if rows.any()
     )
 
 
-def _misses(found: Map) -> str:
-    """The reachable cells that did not end on the path, in words."""
-    o, cells = found.outcome, found.cells
-    rows = np.nonzero(o.reachable & ~o.success)[0]
-    if not rows.size:
-        return f"{cells.name}: no reachable cell is missed."
-    listed = "; ".join(f"{cells.labels[row]}: {1e3 * o.final[row]:.0f} mm" for row in rows[:SHOWN])
-    more = f"; and {rows.size - SHOWN} more" if rows.size > SHOWN else ""
-    return f"{cells.name}, missed: {listed}{more}."
+def _listed(found: Map, rows: Bools) -> str:
+    cells, o = found.cells, found.outcome
+    which = np.nonzero(rows)[0]
+    listed = "; ".join(f"{cells.labels[row]}: {1e3 * o.final[row]:.0f} mm" for row in which[:SHOWN])
+    return listed + (f"; and {which.size - SHOWN} more" if which.size > SHOWN else "")

@@ -3,7 +3,7 @@ from pathlib import Path
 import numpy as np
 
 from studies.fault_cells import MID, oracle, outcome, pair_locks, play, single_locks
-from studies.fault_map import Map, map_rows
+from studies.fault_map import Map, map_rows, misses
 from studies.mobile import DURATION, HAND, PERIOD, msma, plant
 from studies.paper_faults import cases, course
 from studies.platform_path import PlatformPath, drive
@@ -66,3 +66,29 @@ def test_the_tables_of_the_maps_can_be_written(tmp_path: Path) -> None:
     rows = map_rows(Map(cells, outcome(cells, play(cells), oracle(cells))), 1.0)
     found = Findings(tuple(rows), (), ())
     assert as_json(Report("fault-map", "", found, (), 1.0, 1.0))
+
+
+def test_each_miss_of_the_map_is_told_with_its_reason() -> None:
+    cells = pair_locks().part(slice(400, 404))
+    none = np.zeros(4, dtype=bool)
+    o = outcome(cells, play(cells), (np.zeros(4), ~none))
+    o = o._replace(
+        final=np.array([0.001, 0.010, 0.020, 0.030]),
+        coming=np.array([False, True, False, False]),
+        slides=np.array([0.1, 0.1, 2.0, 0.1]),
+    )
+    said = misses(Map(cells, o))
+    assert "1 where the hand is near the top" in said
+    assert f"({cells.labels[2]}: 20 mm)" in said
+    assert "1 where it is still on its way" in said
+    assert "1 where neither of these" in said
+    assert cells.labels[0] not in said
+
+
+def test_how_steeply_the_last_joint_lifts_the_hand_is_that_of_its_circle() -> None:
+    cells = pair_locks().part(slice(400, 402))
+    assert np.isnan(cells.locks).sum() == 2
+    slides = outcome(cells, play(cells), (np.zeros(2), np.ones(2, dtype=bool))).slides
+    assert (np.isfinite(slides) & (slides > 0)).all()
+    free = single_locks(MID).part(slice(0, 2))  # shoulder and elbow are both left
+    assert np.isnan(outcome(free, play(free), (np.zeros(2), np.ones(2, dtype=bool))).slides).all()
