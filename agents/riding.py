@@ -45,6 +45,7 @@ class Riding:
 
     BESIDE = 0.25, 0.4188  # [m] of the hand ahead of the axle: ridden up to there, served beyond
     ALONE = 0.95, 0.9885  # share of the hand's motion that is one joint's: not ridden, ridden
+    GLANCES = 0.01  # [s] that pass between two looks at the joints while no hand rides
     BRISK = 3.074  # [rad/s2] with which turning changes
     LEADS = 0.03825, 0.1474  # [m] of the hand ahead of the axle: carted up to there, led from there
     KEEN = 2.047  # [1/s] of what a led hand misses
@@ -64,6 +65,8 @@ class Riding:
         """Drive as fast as that drive may."""
         self._drive = drive
         self._lifting: Lifting | None = None
+        self._unseen = 0.0  # [s] since it last looked which joints move
+        self._rides = False
 
     def instead_of(
         self, speeds: tuple[Array, Array], elapsed: float, scene: Scene, view: View, joints: Joints
@@ -73,15 +76,19 @@ class Riding:
         speeds: what they are as far as the hand does not ride
         """
         ridden = scene.led_on * (1 - ramp(scene.carried, *self.BESIDE))
+        self._unseen += elapsed
         if not np.any(ridden):
-            self._lifting = None
+            self._lifting, self._rides = None, False
+            return speeds
+        if self._unseen < self.GLANCES and not self._rides:
             return speeds
         if self._lifting is None:
-            self._lifting = Lifting()
-        lift = self._lifting.watch(elapsed, view, joints, scene)
+            self._lifting, self._unseen = Lifting(), elapsed
+        lift = self._lifting.watch(self._unseen, view, joints, scene)
         ridden = ridden * ramp(lift.alone, *self.ALONE) * view.modelled
-        if not np.any(ridden):  # as while several joints move, and the rest takes long
-            return greater(speeds[0], 0.0), speeds[1]
+        self._rides, self._unseen = bool(np.any(ridden)), 0.0
+        if not self._rides:  # as while several joints move; the rest takes long to work out
+            return speeds
         linear, angular = self._speeds(elapsed, scene, lift)
         angular = scene.angular + within(angular - scene.angular, self.BRISK * elapsed)
         return greater(mixed(speeds[0], linear, ridden), 0.0), mixed(speeds[1], angular, ridden)

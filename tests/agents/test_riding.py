@@ -3,11 +3,13 @@
 import numpy as np
 import pytest
 
-from agents.lifting import Circle, Lift
+from agents.agent import Joints
+from agents.lifting import Circle, Lift, Lifting
 from agents.riding import Riding
 from plant.faults import Fault
 from studies.lockstep import Event, run
-from studies.mobile import ARPH, DURATION, msma, plant, task
+from studies.mobile import ARPH, DURATION, msma, plant, posture, task
+from tests.agents.test_lifting import seen
 from tests.agents.test_towing import scene
 
 PERIOD = 0.06
@@ -90,6 +92,25 @@ def test_the_heading_off_follows_the_inverse_of_the_platform(ahead):
         place.left_slope * rises - speed * np.sin(off), abs=3e-4
     )
     assert rate == pytest.approx(numeric, abs=2e-3)
+
+
+def test_while_no_hand_rides_the_joints_are_looked_at_now_and_then_only(monkeypatch):
+    looks = []
+    watch = Lifting.watch
+    monkeypatch.setattr(
+        Lifting,
+        "watch",
+        lambda self, elapsed, *rest: looks.append(elapsed) or watch(self, elapsed, *rest),
+    )
+    q = posture(100.0, 50.0, -80.0)
+    view, seen_now = seen(q)
+    led = seen_now._replace(speed=0.07)
+    both = Joints(q, np.array([0.1, 0.1, 0, 0, 0, 0]))
+    riding = Riding(ARPH.drive)
+    for _ in range(40):
+        assert riding.instead_of((0.07, 0.0), 0.001, led, view, both) == (0.07, 0.0)
+    assert len(looks) == 4
+    assert sum(looks) == pytest.approx(0.031, abs=0.002)
 
 
 @pytest.mark.parametrize(
