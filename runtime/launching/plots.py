@@ -97,7 +97,7 @@ def _mark(above: Axes, below: Axes, happenings: Sequence[Happening], end: float)
             axes.axvline(one.t, color=_CHAOS, lw=1)
         left = one.t > end / 2
         below.annotate(
-            one.text,
+            one.text.partition(",")[0],  # what came of it is said elsewhere, in full
             (one.t, 0.98 - 0.06 * (index % 6)),
             xycoords=("data", "axes fraction"),
             xytext=(-3 if left else 3, 0),
