@@ -6,6 +6,7 @@ functions and the usual operators does both. `Array` stands for either.
 """
 
 import math
+from collections.abc import Callable
 from typing import cast
 
 import numpy as np
@@ -50,34 +51,30 @@ def known(values: Array) -> bool:
     return not math.isnan(np.vdot(values, values))  # of a NaN and anything it is one
 
 
-def sqrt(value: Array) -> Array:
-    """Return the square root (...)."""
-    return np.sqrt(value) if isinstance(value, _MANY) else cast("Array", math.sqrt(value))
+def _either(
+    of_many: Callable[[Array], Array], of_one: Callable[[float], float]
+) -> Callable[[Array], Array]:
+    """Return a function of one value that takes the one for arrays or the one for a float."""
+    of_lone = cast("Callable[[Array], Array]", of_one)
+
+    def either(value: Array) -> Array:
+        return of_many(value) if isinstance(value, _MANY) else of_lone(value)
+
+    return either
 
 
-def sin(angle: Array) -> Array:
-    """Return the sine (...)."""
-    return np.sin(angle) if isinstance(angle, _MANY) else cast("Array", math.sin(angle))
-
-
-def cos(angle: Array) -> Array:
-    """Return the cosine (...)."""
-    return np.cos(angle) if isinstance(angle, _MANY) else cast("Array", math.cos(angle))
-
-
-def arccos(cosine: Array) -> Array:
-    """Return the angle (...) from 0 to pi [rad] of a cosine."""
-    return np.arccos(cosine) if isinstance(cosine, _MANY) else cast("Array", math.acos(cosine))
-
-
-def arcsin(sine: Array) -> Array:
-    """Return the angle (...) within a quarter turn of 0 [rad] of a sine."""
-    return np.arcsin(sine) if isinstance(sine, _MANY) else cast("Array", math.asin(sine))
-
-
-def exp(value: Array) -> Array:
-    """Return e to that power (...)."""
-    return np.exp(value) if isinstance(value, _MANY) else cast("Array", math.exp(value))
+sqrt = _either(np.sqrt, math.sqrt)
+"""Square root (...)."""
+sin = _either(np.sin, math.sin)
+"""Sine (...) of an angle [rad]."""
+cos = _either(np.cos, math.cos)
+"""Cosine (...) of an angle [rad]."""
+arcsin = _either(np.arcsin, math.asin)
+"""Angle (...) within a quarter turn of 0 [rad] of a sine."""
+arccos = _either(np.arccos, math.acos)
+"""Angle (...) from 0 to pi [rad] of a cosine."""
+exp = _either(np.exp, math.exp)
+"""e to that power (...)."""
 
 
 def arctan2(y: Array, x: Array) -> Array:

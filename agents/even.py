@@ -71,7 +71,6 @@ class EvenLineByModel(LineByModel):
     ) -> None:
         """Turn joint `joint` (from 0) of that body: see `JointAgent` for the rest."""
         super().__init__(body, joint, gain=gain, horizon=horizon, memory=memory, bend=bend)
-        self._top_speed = float(body.robot.max_speed[joint])
         self._gain = BolderGain(gain, max(gain, self.MOST))
         self._insistence = Insistence(self.INSISTENCE * horizon)
 
