@@ -122,9 +122,10 @@ class PlatformAgent(Agent):
         self.perception = "blackboard" if view.certain else "localiser"
         scene = self._scene(percepts.t, view.hand, percepts.base, percepts.goal)
         elapsed = self._elapsed.at(percepts.t)
-        linear, angular = speeds = self._speeds(elapsed, scene)
+        speeds = self._speeds(elapsed, scene)
         if view.arm is not None and percepts.joints is not None:
-            linear, angular = self._riding.instead_of(speeds, elapsed, scene, view, percepts.joints)
+            speeds = self._riding.instead_of(speeds, elapsed, scene, view, percepts.joints)
+        linear, angular = speeds
         waits = self._waits(percepts.t, scene)
         return joined(linear, where(waits, 0.0, within(angular, self._drive.max_angular)))
 
