@@ -17,6 +17,7 @@ from agents.arithmetic import (
     within,
 )
 from agents.lifting import Lift, Lifting, Place
+from agents.pursuit import Pursuit
 from agents.scene import Scene
 from agents.sight import View
 from plant.robot import Drive
@@ -64,6 +65,9 @@ class Riding:
     def __init__(self, drive: Drive) -> None:
         """Drive as fast as that drive may."""
         self._drive = drive
+        self._pursuit = Pursuit(
+            drive.max_linear, turns=self.TURNS, agrees=self.AGREES, catches_up=self.CATCHES_UP
+        )
         self._lifting: Lifting | None = None
         self._unseen = 0.0  # [s] since it last looked which joints move
         self._rides = False
@@ -129,21 +133,12 @@ class Riding:
         sine, cosine = sin(off), cos(off)
         on_x = (scene.going[0] * cosine + scene.going[1] * sine) / speed
         on_y = (scene.going[1] * cosine - scene.going[0] * sine) / speed
-        # the place of the axle [m], as seen from where it is: along its way, and beside it
-        place_x = scene.hand[0] + scene.missing[0] - (on_x * place.ahead - on_y * place.left)
-        place_y = scene.hand[1] + scene.missing[1] - (on_y * place.ahead + on_x * place.left)
-        along = place_x * on_x + place_y * on_y
-        beside = place_y * on_x - place_x * on_y
+        along, beside = Pursuit.place(scene, (on_x, on_y), place.ahead, place.left)
         looks = greater(self.SOON * scene.linear, self.LOOKS)
         course = arctan2(on_y, on_x) + arctan2(beside, looks) - swings / self.TURNS
-        turn = course - scene.heading
         drifts = place.ahead_slope * scene.going[2] + place.left * swings
         slower = scene.speed * cosine - drifts - scene.linear
-        linear = scene.linear + elapsed * (self.AGREES * slower + self.CATCHES_UP * along)
-        return (
-            lesser(linear, greater(cos(turn), 0.0) * self._drive.max_linear),
-            self.TURNS * arctan2(sin(turn), cos(turn)),
-        )
+        return self._pursuit.speeds(elapsed, scene, along, slower, course)
 
     def _off(self, scene: Scene, lift: Lift, place: Place) -> tuple[Array, Array]:
         """Return how far (...) [rad] to head to the right of where the goal goes, and its rate.

@@ -3,7 +3,8 @@
 from math import exp
 
 from agents.agent import Array
-from agents.arithmetic import arctan2, cos, greater, lesser, ramp, sin
+from agents.arithmetic import arctan2, greater, ramp
+from agents.pursuit import Pursuit
 from agents.scene import Scene
 
 
@@ -12,10 +13,10 @@ class Towing:
 
     A hand behind the axle swings out when the platform turns towards the goal, and a platform that
     made up for it would end facing the other way, which is only good for going backwards. So it
-    does not look at the hand, but at where its own axle will be once it faces where the goal
-    goes, with the hand carried as now; it drives to that line and keeps to it, looking a little
-    ahead (pure pursuit; Coulter 1992). To the person beside the robot this is a cart that takes a
-    bend wide enough for what it draws, and never backs up.
+    does not look at the hand, but at where its own axle will be once it faces where the goal goes,
+    with the hand carried as now; it drives to that line and keeps to it (`Pursuit`). To the person
+    beside the robot this is a cart that takes a bend wide enough for what it draws, and never backs
+    up.
     """
 
     BEHIND = -0.15, 0.0  # [m] of the hand ahead of the axle: towed and nothing else, not towed
@@ -27,7 +28,9 @@ class Towing:
 
     def __init__(self, top: float) -> None:
         """Drive at most at `top` [m/s]."""
-        self._top = top
+        self._pursuit = Pursuit(
+            top, turns=self.TURNS, agrees=self.AGREES, catches_up=self.CATCHES_UP
+        )
         self._carried: tuple[Array, Array] | None = None
 
     @classmethod
@@ -40,19 +43,10 @@ class Towing:
         carried, aside = self._settled(elapsed, scene)
         speed = greater(scene.speed, 1e-6)
         on_x, on_y = scene.going[0] / speed, scene.going[1] / speed
-        # the place of the axle [m], as seen from where it is: along the goal's way, and beside it
-        place_x = scene.hand[0] + scene.missing[0] - (on_x * carried - on_y * aside)
-        place_y = scene.hand[1] + scene.missing[1] - (on_y * carried + on_x * aside)
-        along = place_x * on_x + place_y * on_y
-        beside = place_y * on_x - place_x * on_y
+        along, beside = Pursuit.place(scene, (on_x, on_y), carried, aside)
         course = arctan2(on_y, on_x) + arctan2(beside, self.LOOKS + greater(along, 0.0))
-        off = course - scene.heading
         slower = (scene.going[0] - scene.drift[0]) * on_x + (scene.going[1] - scene.drift[1]) * on_y
-        linear = scene.linear + elapsed * (self.AGREES * slower + self.CATCHES_UP * along)
-        return (
-            lesser(linear, greater(cos(off), 0.0) * self._top),
-            self.TURNS * arctan2(sin(off), cos(off)),
-        )
+        return self._pursuit.speeds(elapsed, scene, along, slower, course)
 
     def _settled(self, elapsed: float, scene: Scene) -> tuple[Array, Array]:
         """Return how far ahead and to the left (...) [m] the hand is carried, less its jitter.
