@@ -2,37 +2,39 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from agents.agent import Array
 from studies.drawing import COLOURS, DASHES, save, sheet
+from studies.fault_cells import Outcome
+from studies.lockstep import Trace
 
-if TYPE_CHECKING:
-    from studies.told_nothing import Tried
 
+def compared(
+    tried: Sequence[tuple[str, Trace, Sequence[Outcome]]], maps: Sequence[str], file: Path
+) -> Path:
+    """Share of faults survived, map by map, and the nominal runs.
 
-def compared(tried: Sequence["Tried"], maps: Sequence[str], file: Path) -> Path:
-    """Share of faults survived, map by map, and the nominal runs."""
+    tried: of each controller its name, its nominal run, and how each map went
+    """
     figure, axes = sheet(11.0, 9.0, 2, 2)
     width = 0.8 / len(tried)
     at = np.arange(len(maps))
     hatches = ("", "//", "..", "xx")
-    for place, each in enumerate(tried):
-        shares = [100.0 * outcome.share for outcome in each.outcomes]
+    for place, (name, trace, outcomes) in enumerate(tried):
+        shares = [100.0 * outcome.share for outcome in outcomes]
         bars = axes[0].bar(at + place * width, shares, width, color=COLOURS[place],
-                           hatch=hatches[place], edgecolor="white", label=each.name)  # fmt: skip
+                           hatch=hatches[place], edgecolor="white", label=name)  # fmt: skip
         axes[0].bar_label(bars, fmt="%.0f", fontsize=8)
-        trace = each.nominal.trace
         style, colour = DASHES[place], COLOURS[place]
         axes[1].semilogy(trace.t, np.maximum(1e3 * trace.error, 1e-3), color=colour,
-                         linestyle=style, label=each.name)  # fmt: skip
+                         linestyle=style, label=name)  # fmt: skip
         axes[2].plot(trace.base[:, 1], trace.base[:, 0], color=colour, linestyle=style,
-                     label=each.name)  # fmt: skip
-        final = np.concatenate([o.final[o.reachable] for o in each.outcomes])
+                     label=name)  # fmt: skip
+        final = np.concatenate([o.final[o.reachable] for o in outcomes])
         axes[3].step(np.sort(1e3 * final), np.arange(1, final.size + 1) / final.size * 100,
-                     color=colour, linestyle=style, label=each.name, where="post")  # fmt: skip
+                     color=colour, linestyle=style, label=name, where="post")  # fmt: skip
     axes[0].set_xticks(at + 0.4 - width / 2, [name.replace(", ", ",\n") for name in maps])
     axes[0].set(ylabel="reachable cells that end within 3 mm [%]", ylim=(0, 118))
     axes[1].set(xlabel="time [s]", ylabel="error, nothing broken [mm]")

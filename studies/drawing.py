@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import matplotlib as mpl
 import numpy as np
@@ -13,9 +12,6 @@ from matplotlib.ticker import FormatStrFormatter
 from agents.agent import Array
 from studies.lockstep import Trace
 from studies.mobility import cusp_ticks
-
-if TYPE_CHECKING:
-    from studies.platform_path import Drive
 
 BLUE, ORANGE, GREEN, RED, PURPLE, SKY = (
     "#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7", "#56B4E9",
@@ -50,8 +46,11 @@ def save(figure: Figure, file: Path) -> Path:
     return file
 
 
-def platform_paths(drives: Sequence["Drive"], file: Path) -> Path:
-    """Figure 8: path and heading of the platform for two controllers, with their cusps."""
+def platform_paths(drives: Sequence[tuple[str, Trace]], file: Path) -> Path:
+    """Figure 8: path and heading of the platform for two controllers, with their cusps.
+
+    drives: a name and a trace of each
+    """
     _style()
     figure = Figure(figsize=(10.0, 12.0), layout="constrained")
     named = figure.subplot_mosaic(
@@ -59,10 +58,9 @@ def platform_paths(drives: Sequence["Drive"], file: Path) -> Path:
     )
     axes = list(named.values())
     for axis, each in zip(axes, drives, strict=False):
-        _one_path(axis, each)
+        _one_path(axis, *each)
     colours = (BLUE, RED)
-    for each, colour, dash in zip(drives, colours, DASHES, strict=False):
-        trace, name = each.trace, each.name
+    for (name, trace), colour, dash in zip(drives, colours, DASHES, strict=False):
         axes[2].plot(trace.t, np.degrees(trace.base[:, 2]), dash, color=colour,
                      label=f"heading, {name}")  # fmt: skip
         axes[2].plot(trace.t, np.degrees(np.abs(trace.q[:, 2])), dash, color=colour, alpha=0.5,
@@ -78,8 +76,7 @@ def platform_paths(drives: Sequence["Drive"], file: Path) -> Path:
     return save(figure, file)
 
 
-def _one_path(axis: Axes, drive: "Drive") -> None:
-    trace = drive.trace
+def _one_path(axis: Axes, name: str, trace: Trace) -> None:
     x, y, heading = trace.base.T
     back = trace.base_velocity[:, 0] < 0
     axis.plot(y, x, color=BLUE, linewidth=1.5, label="platform, going forward")
@@ -97,7 +94,7 @@ def _one_path(axis: Axes, drive: "Drive") -> None:
               label=f"cusps: {len(cusps)}", linestyle="none")  # fmt: skip
     axis.set(xlim=(0.2, -2.1), ylim=(-0.5, 0.45))
     axis.set_aspect("equal", adjustable="box")
-    axis.set(xlabel="y, to the left [m]", ylabel="x, ahead [m]", title=drive.name)
+    axis.set(xlabel="y, to the left [m]", ylabel="x, ahead [m]", title=name)
     axis.legend(fontsize=8, loc="lower right" if y[-1] < -1.4 else "lower left")
 
 

@@ -97,6 +97,13 @@ class Outcome(NamedTuple):
         return float(self.success[self.reachable].mean()) if self.reachable.any() else 1.0
 
 
+class Map(NamedTuple):
+    """Some cells, and how they went."""
+
+    cells: Cells
+    outcome: Outcome
+
+
 def single_locks(since: float) -> Cells:
     """Each of joints 1 to 3 locked at every 10 deg of its range: 89 cells.
 

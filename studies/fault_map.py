@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
@@ -10,8 +9,7 @@ from plant.faults import Fault
 from studies.fault_cells import (
     MID,
     TOLERANCE,
-    Cells,
-    Outcome,
+    Map,
     half_speeds,
     killed_agents,
     oracle,
@@ -29,13 +27,6 @@ SHOWN = 12
 """Misses that are listed in words for each reason on each map."""
 STEEP = 0.9
 """Metres on the level for each metre up from which a hand slides more than it rises, nearly."""
-
-
-class Map(NamedTuple):
-    """Some cells, and how they went."""
-
-    cells: Cells
-    outcome: Outcome
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import matplotlib as mpl
 import numpy as np
@@ -12,10 +11,7 @@ from matplotlib.colors import LogNorm, Normalize
 
 from agents.agent import Array
 from studies.drawing import save, sheet
-from studies.fault_cells import RANGES
-
-if TYPE_CHECKING:
-    from studies.fault_map import Map
+from studies.fault_cells import RANGES, Map
 
 ERRORS = LogNorm(0.1, 1000.0)
 """Colours of errors [mm]."""
@@ -25,7 +21,7 @@ STRIPS = ("worst error\nonce acquired", "error\nat the end", "when a plan\nis th
 NAMES = ("joint 1", "joint 2", "joint 3")
 
 
-def strips(maps: Sequence["Map"], file: Path) -> Path:
+def strips(maps: Sequence[Map], file: Path) -> Path:
     """One lock: for each joint a strip of angles of when a plan is there, final and worst error."""
     figure, axes = sheet(11.0, 8.0, 3, len(maps))
     for column, each in enumerate(maps):
@@ -52,7 +48,7 @@ def strips(maps: Sequence["Map"], file: Path) -> Path:
     return save(figure, file)
 
 
-def pair_maps(each: "Map", file: Path) -> Path:
+def pair_maps(each: Map, file: Path) -> Path:
     """Two locks: when a plan is there, error at the end, worst error; (1, 2) above (1, 3)."""
     figure, axes = sheet(12.0, 8.5, 2, 3)
     o = each.outcome

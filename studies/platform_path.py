@@ -93,7 +93,8 @@ class PlatformPath(Study[PathFound]):
         """Write figure 8."""
         from studies.drawing import platform_paths
 
-        return (platform_paths(found.drives[:2], folder / "platform-path.png"),)
+        drives = [(each.name, each.trace) for each in found.drives[:2]]
+        return (platform_paths(drives, folder / "platform-path.png"),)
 
 
 def drive(name: str, agents: dict[str, Agent], period: float, duration: float) -> Drive:

@@ -132,8 +132,9 @@ class ToldNothing(Study[ToldFound]):
         """Write the comparison."""
         from studies.comparison import compared
 
-        return (compared(found.tried, [cells.name for cells in found.maps],
-                         folder / "told-nothing.png"),)  # fmt: skip
+        tried = [(each.name, each.nominal.trace, each.outcomes) for each in found.tried]
+        maps = [cells.name for cells in found.maps]
+        return (compared(tried, maps, folder / "told-nothing.png"),)
 
 
 def agents(name: str) -> dict[str, Agent]:

@@ -1,18 +1,15 @@
 """The picture of the trips in all directions."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
 
 from studies.drawing import BLUE, ORANGE, RED, save, sheet
-
-if TYPE_CHECKING:
-    from studies.directions import Trips
+from studies.trips import Trips
 
 
-def ways(paths: "Trips", points: "Trips", file: Path) -> Path:
+def ways(paths: Trips, points: Trips, file: Path) -> Path:
     """Ways seen from above, and time, deadlock and elbow of each trip."""
     figure, axes = sheet(11.0, 10.0, 2, 2)
     for axis, trips, title in ((axes[0], paths, "26 straight paths"), (axes[1], points, "goals")):
@@ -37,7 +34,7 @@ def ways(paths: "Trips", points: "Trips", file: Path) -> Path:
     return save(figure, file)
 
 
-def _from_above(axis: Axes, trips: "Trips", title: str) -> None:
+def _from_above(axis: Axes, trips: Trips, title: str) -> None:
     for row, trace in enumerate(trips.trace):
         fine = bool(trips.success[row])
         axis.plot(trace.base[:, 1], trace.base[:, 0], color=BLUE if fine else RED,

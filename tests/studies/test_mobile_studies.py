@@ -2,8 +2,8 @@ from pathlib import Path
 
 import numpy as np
 
-from studies.fault_cells import MID, oracle, outcome, pair_locks, play, single_locks
-from studies.fault_map import Map, map_rows, misses
+from studies.fault_cells import MID, Map, oracle, outcome, pair_locks, play, single_locks
+from studies.fault_map import map_rows, misses
 from studies.mobile import DURATION, HAND, PERIOD, msma, plant
 from studies.paper_faults import cases, course
 from studies.platform_path import PlatformPath, drive

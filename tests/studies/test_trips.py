@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
 
-from studies.directions import AWAY, LENGTH, follow, go, legs, limits, standing
 from studies.mobile import HAND, msma
 from studies.mobility import stalled
+from studies.trips import AWAY, LENGTH, follow, go, legs, limits, standing
 
 
 def test_the_26_directions_are_all_different_and_stay_where_the_arm_is_high_enough() -> None:
