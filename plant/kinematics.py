@@ -2,12 +2,13 @@
 
 import math
 from functools import cache
-from math import cos, prod, sin
+from math import prod
 from typing import NamedTuple
 
 import numpy as np
 
 from plant.robot import Array, Robot
+from plant.straight_line import forward_function
 
 
 class ArmPose(NamedTuple):
@@ -40,8 +41,8 @@ class Kinematics:
 
     Each joint's frame is turned so that its axis is z. Past joint i the chain then goes on by
     Rz(q_i) L_i with a constant L_i. The base's heading is one more such angle, with its axis
-    through the origin of the base's frame. A lone arm goes through it in plain floats, many as
-    arrays.
+    through the origin of the base's frame. A lone arm goes through it in plain floats
+    (`forward_function`), many as arrays.
 
     What was worked out last for many arms is kept, as long as nobody can have changed what it was
     worked out from: in a study, all agents ask for the same.
@@ -56,6 +57,7 @@ class Kinematics:
         links[:-1] = links[:-1] @ self._align[1:]
         # each link's x, y, z and p, one after the other
         self._columns = [tuple(link[:3].T.ravel().tolist()) for link in links]
+        self._straight_line = forward_function(self._columns)
         self._last: tuple[Array, Array, ArmPose] | None = None
 
     def forward(self, q: Array, base: Array | None = None) -> ArmPose:
@@ -102,35 +104,15 @@ class Kinematics:
         )
 
     def _forward_of_one(self, q: Array, base: Array) -> ArmPose:
-        """The arm at `q` (n,) of a base at (3,): the frame's columns x, y, z, p go along it."""
-        px, py, heading = base.tolist()
-        pz = 0.0
-        xx, xy, xz, yx, yy, yz, zx, zy, zz = _IDENTITY
-        points, axes = [], []
-        for angle, link in zip((heading, *q.tolist()), self._columns, strict=True):
-            lxx, lxy, lxz, lyx, lyy, lyz, lzx, lzy, lzz, lpx, lpy, lpz = link
-            c, s = cos(angle), sin(angle)
-            ux, uy, uz = c * xx + s * yx, c * xy + s * yy, c * xz + s * yz  # x, turned
-            vx, vy, vz = c * yx - s * xx, c * yy - s * xy, c * yz - s * xz  # y, turned
-            px += ux * lpx + vx * lpy + zx * lpz
-            py += uy * lpx + vy * lpy + zy * lpz
-            pz += uz * lpx + vz * lpy + zz * lpz
-            xx = ux * lxx + vx * lxy + zx * lxz
-            xy = uy * lxx + vy * lxy + zy * lxz
-            xz = uz * lxx + vz * lxy + zz * lxz
-            yx = ux * lyx + vx * lyy + zx * lyz
-            yy = uy * lyx + vy * lyy + zy * lyz
-            yz = uz * lyx + vz * lyy + zz * lyz
-            zx, zy, zz = (
-                ux * lzx + vx * lzy + zx * lzz,
-                uy * lzx + vy * lzy + zy * lzz,
-                uz * lzx + vz * lzy + zz * lzz,
-            )
-            points.append((px, py, pz))
-            axes.append((zx, zy, zz))
-        tip, _ = points.pop(), axes.pop()
-        rotation = np.array(((xx, yx, zx), (xy, yy, zy), (xz, yz, zz)))
-        return ArmPose(np.array(tip), rotation, np.array(points), np.array(axes))
+        """The arm at `q` (n,) of a base at (3,)."""
+        numbers = np.array(self._straight_line(*base.tolist(), *q.tolist()))
+        n = 12 + 3 * self.robot.n
+        return ArmPose(
+            numbers[:3],
+            numbers[3:12].reshape(3, 3),
+            numbers[12:n].reshape(-1, 3),
+            numbers[n:].reshape(-1, 3),
+        )
 
     def frames(self, q: Array, base: Array | None = None) -> Array:
         """(..., n + 1, 4, 4): the base's frame and each joint's frame in the world.
@@ -209,7 +191,6 @@ _OUTER = _outer_from_rotation()
 _UNIT_OUTER = np.eye(4).reshape(16)
 _AT_ORIGIN = np.zeros(3)
 _AT_ORIGIN.flags.writeable = False
-_IDENTITY = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 
 
 def _about_z(angle: Array) -> Array:

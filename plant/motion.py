@@ -1,5 +1,6 @@
 """How a robot moves within its limits: one step of joints and platform, for one or thousands."""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -48,8 +49,11 @@ def step(robot: Robot, state: State, commands: Commands, period: float) -> State
     The commanded speeds are cut to the speed limits, their change to the acceleration limits, and
     joints brake in time to stop at the ends of their ranges. Then all move at constant speed.
     Commands are finite; the state's angles lie within the joints' ranges and its speeds let the
-    joints stop in time, as in every state that this function has made.
+    joints stop in time, as in every state that this function has made. A lone robot is computed in
+    plain floats, in a third of the time.
     """
+    if state.q.ndim == 1 and commands.joints.ndim == 1 and commands.base.ndim == 1:
+        return _step_of_one(robot, state, commands, period)
     qd = _limited(commands.joints, state.qd, robot.max_speed, robot.max_acceleration * period)
     room = np.minimum(robot.upper - state.q, state.q - robot.lower)
     far = (robot.max_speed + robot.max_acceleration * period) ** 2 / (2.0 * robot.max_acceleration)
@@ -70,6 +74,47 @@ def step(robot: Robot, state: State, commands: Commands, period: float) -> State
         * period,
     )
     return State(t, q, qd, arc(state.base, velocity, period), velocity)
+
+
+def _step_of_one(robot: Robot, state: State, commands: Commands, period: float) -> State:
+    """The same for arrays (n,), (3,) and (2,)."""
+    q, qd = [], []
+    seen = zip(state.q.tolist(), state.qd.tolist(), commands.joints.tolist(), strict=True)
+    for joint, (angle, before, wanted) in zip(robot.joints, seen, strict=True):
+        change = joint.max_acceleration * period
+        speed = _nearest(wanted, before, joint.max_speed, change)
+        room = joint.upper - angle if speed > 0.0 else angle - joint.lower
+        if room < (joint.max_speed + change) ** 2 / (2.0 * joint.max_acceleration):
+            most = stopping_speed(np.array(room), joint.max_acceleration, period)
+            speed = _within(speed, float(most))
+        angle += speed * period
+        q.append(min(max(angle, joint.lower), joint.upper))
+        qd.append(speed)
+    t = round(state.t + period, 12)
+    if robot.drive is None:
+        return State(t, np.array(q), np.array(qd), state.base, state.base_velocity)
+    drive, was, told = robot.drive, state.base_velocity.tolist(), commands.base.tolist()
+    changes = drive.max_linear_acceleration * period, drive.max_angular_acceleration * period
+    linear = _nearest(told[0], was[0], drive.max_linear, changes[0])
+    angular = _nearest(told[1], was[1], drive.max_angular, changes[1])
+    x, y, heading = state.base.tolist()
+    half = 0.5 * period * angular
+    chord = period * linear * (1.0 if half == 0.0 else math.sin(half) / half)
+    middle = heading + half
+    base = (x + chord * math.cos(middle), y + chord * math.sin(middle), middle + half)
+    return State(t, np.array(q), np.array(qd), np.array(base), np.array((linear, angular)))
+
+
+def _nearest(wanted: float, now: float, speed: float, change: float) -> float:
+    """The same as `_limited` of one number."""
+    return now + _within(_within(wanted, speed) - now, change)
+
+
+def _within(value: float, size: float) -> float:
+    """The same as `_cut` of one number; two comparisons cost half of `min` and `max`."""
+    if value > size:
+        return size
+    return -size if value < -size else value
 
 
 def arc(base: Array, velocity: Array, period: float) -> Array:

@@ -83,11 +83,11 @@ class Senses:
         base = self._base.fresh(now)
         if hand is None and states is None:
             return None
-        moment = min(seen.t for seen in (hand, states, base) if seen is not None)
+        moment = min([seen.t for seen in (hand, states, base) if seen is not None])
         hand = hand and _of(moment, hand, self._hands)
         states = states and _of(moment, states, self._states)
         base = base and _of(moment, base, self._bases)
-        t = max(seen.t for seen in (hand, states, base) if seen is not None)
+        t = max([seen.t for seen in (hand, states, base) if seen is not None])
         return Percepts(
             t,
             hand=np.array(hand.position) if hand else None,
@@ -114,6 +114,8 @@ class Senses:
 
 def _of(moment: float, newest: S, kept: deque[S]) -> S:
     """Return what the same process said of a moment [s], or the newest if nothing is kept."""
+    if newest.t == moment:
+        return newest
     for message in kept:
         if message.t == moment and message.by == newest.by:
             return message

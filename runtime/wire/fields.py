@@ -48,7 +48,9 @@ class Field(NamedTuple):
 
 def number(value: Any, name: str) -> float:
     """Read a finite number within the limit."""
-    if (type(value) is float or type(value) is int) and -LIMIT <= value <= LIMIT:
+    if type(value) is float and -LIMIT <= value <= LIMIT:
+        return value
+    if type(value) is int and -LIMIT <= value <= LIMIT:
         return float(value)
     raise _unsound(value, name)
 

@@ -1,0 +1,92 @@
+"""Forward kinematics of one robot as straight-line code: written out link by link, and compiled.
+
+Most numbers of most links are 0 or 1. What is multiplied by these is left out, so a lone arm takes
+less than half the time of a loop over its links.
+"""
+
+from collections.abc import Callable, Sequence
+from math import cos, sin
+from typing import Any
+
+Link = tuple[float, ...]
+"""A link's x, y, z and p, as columns one after the other."""
+Forward = Callable[..., list[float]]
+_ZERO, _ONE, _MINUS_ONE = "0.0", "1.0", "-1.0"
+
+
+def forward_function(links: Sequence[Link]) -> Forward:
+    """Return what takes the base's x, y [m], its heading and the joints' angles [rad].
+
+    It returns a list: the grip point (3), the hand's rotation row by row (9), a point on each
+    joint's axis (3 n), and the axes (3 n). It goes along the frames' columns x, y, z and p.
+
+    links: of the base and of each joint, to the next frame
+    """
+    code = _Code()
+    x, y, z = (_ONE, _ZERO, _ZERO), (_ZERO, _ONE, _ZERO), (_ZERO, _ZERO, _ONE)
+    p: _Column = ("x", "y", _ZERO)
+    points: list[str] = []
+    axes: list[str] = []
+    for i, link in enumerate(links):
+        code.lines.append(f"c{i} = cos(a{i}); s{i} = sin(a{i})")
+        u = code.column(f"u{i}", (f"c{i}", f"s{i}"), (x, y))  # x, turned
+        v = code.column(f"v{i}", (f"c{i}", f"-s{i}"), (y, x))  # y, turned
+        weights = [repr(weight + 0.0) for weight in link]  # there is a -0.0 too
+        way = code.column(f"d{i}", weights[9:], (u, v, z))
+        p = code.column(f"p{i}", (_ONE, _ONE), (p, way))
+        x, y, z = (
+            code.column(f"{name}{i}", weights[first : first + 3], (u, v, z))
+            for name, first in (("x", 0), ("y", 3), ("z", 6))
+        )
+        points += p
+        axes += z
+    rotation = [row for rows in zip(x, y, z, strict=True) for row in rows]
+    result = [*p, *rotation, *points[:-3], *axes[:-3]]
+    angles = [f"a{i}" for i in range(len(links))]
+    return code.function(["x", "y", *angles], result)
+
+
+_Column = tuple[str, str, str]
+
+
+class _Code:
+    """Lines of a function, each of which gives a name to a number."""
+
+    def __init__(self) -> None:
+        self.lines: list[str] = []
+
+    def column(self, name: str, weights: Sequence[str], columns: Sequence[_Column]) -> _Column:
+        """Write down the sum of columns, each times its weight; return the names of its parts."""
+        first, second, third = (
+            self._number(f"{name}_{k}", _sum(weights, [column[k] for column in columns]))
+            for k in range(3)
+        )
+        return first, second, third
+
+    def _number(self, name: str, expression: str) -> str:
+        if expression in (_ZERO, _ONE) or expression.isidentifier():
+            return expression  # it has a name already
+        self.lines.append(f"{name} = {expression}")
+        return name
+
+    def function(self, arguments: Sequence[str], result: Sequence[str]) -> Forward:
+        """Return the function."""
+        last = f"return [{', '.join(result)}]"
+        source = "\n    ".join([f"def forward({', '.join(arguments)}):", *self.lines, last])
+        scope: dict[str, Any] = {"cos": cos, "sin": sin}
+        exec(source, scope)  # of our own making: there are but numbers and names of ours in it
+        forward: Forward = scope["forward"]
+        return forward
+
+
+def _sum(weights: Sequence[str], terms: Sequence[str]) -> str:
+    products = [_product(*each) for each in zip(weights, terms, strict=True)]
+    return " + ".join(each for each in products if each != _ZERO) or _ZERO
+
+
+def _product(weight: str, term: str) -> str:
+    if _ZERO in (weight, term):
+        return _ZERO
+    if _ONE in (weight, term):
+        return term if weight == _ONE else weight
+    return f"-{term}" if weight == _MINUS_ONE else f"{weight} * {term}"
