@@ -7,7 +7,6 @@ functions and the usual operators does both. `Array` stands for either.
 
 import math
 from collections.abc import Callable
-from typing import cast
 
 import numpy as np
 import numpy.typing as npt
@@ -16,12 +15,14 @@ from agents.agent import Array
 
 Mask = npt.NDArray[np.bool_]
 """Yes or no for each robot of a batch, or a plain bool where there is none."""
-
+Parts = tuple[Array, Array, Array]
+"""x, y and z (...) of vectors (..., 3)."""
 
 _MANY = np.ndarray
+# a float passes for an `Array` below by "type: ignore": `cast` is a call, and a decision has thirty
 
 
-def parts(vector: Array) -> tuple[Array, Array, Array]:
+def parts(vector: Array) -> Parts:
     """Return the three parts (...) of vectors (..., 3): floats of a lone one."""
     if vector.ndim == 1:
         x, y, z = vector.tolist()
@@ -37,7 +38,7 @@ def joined(*values: Array) -> Array:
 
 def plain(value: Array) -> Array:
     """Return the value as it is, or as a float if it has no dimensions."""
-    return value if value.ndim else cast("Array", float(value))
+    return value if value.ndim else float(value)  # type: ignore[return-value]
 
 
 def squared_length(vector: Array) -> Array:
@@ -55,10 +56,9 @@ def _either(
     of_many: Callable[[Array], Array], of_one: Callable[[float], float]
 ) -> Callable[[Array], Array]:
     """Return a function of one value that takes the one for arrays or the one for a float."""
-    of_lone = cast("Callable[[Array], Array]", of_one)
 
     def either(value: Array) -> Array:
-        return of_many(value) if isinstance(value, _MANY) else of_lone(value)
+        return of_many(value) if isinstance(value, _MANY) else of_one(value)
 
     return either
 
@@ -79,29 +79,23 @@ exp = _either(np.exp, math.exp)
 
 def arctan2(y: Array, x: Array) -> Array:
     """Return the angle (...) of (x, y) [rad], within -pi to pi."""
-    return (
-        np.arctan2(y, x)
-        if isinstance(y, _MANY) or isinstance(x, _MANY)
-        else cast("Array", math.atan2(y, x))
-    )
+    if isinstance(y, _MANY) or isinstance(x, _MANY):
+        return np.arctan2(y, x)
+    return math.atan2(y, x)
 
 
 def lesser(a: Array | float, b: Array | float) -> Array:
     """Return the lesser (...) of two."""
-    return (
-        np.minimum(a, b)
-        if isinstance(a, _MANY) or isinstance(b, _MANY)
-        else cast("Array", a if a < b else b)
-    )
+    if isinstance(a, _MANY) or isinstance(b, _MANY):
+        return np.minimum(a, b)
+    return a if a < b else b  # type: ignore[return-value]
 
 
 def greater(a: Array | float, b: Array | float) -> Array:
     """Return the greater (...) of two."""
-    return (
-        np.maximum(a, b)
-        if isinstance(a, _MANY) or isinstance(b, _MANY)
-        else cast("Array", a if a > b else b)
-    )
+    if isinstance(a, _MANY) or isinstance(b, _MANY):
+        return np.maximum(a, b)
+    return a if a > b else b  # type: ignore[return-value]
 
 
 def within(value: Array, bound: Array | float) -> Array:
@@ -112,9 +106,8 @@ def within(value: Array, bound: Array | float) -> Array:
 def where(condition: Mask, yes: Array | float, no: Array | float) -> Array:
     """Return `yes` where the condition holds, else `no`: (...)."""
     if isinstance(condition, _MANY) or isinstance(yes, _MANY) or isinstance(no, _MANY):
-        chosen: Array = np.where(condition, yes, no)
-        return chosen
-    return cast("Array", yes if condition else no)
+        return np.where(condition, yes, no)
+    return yes if condition else no
 
 
 def ramp(value: Array, lower: float, upper: float) -> Array:

@@ -3,9 +3,7 @@
 from typing import NamedTuple
 
 from agents.agent import Array
-from agents.arithmetic import greater, lesser, sqrt
-
-Parts = tuple[Array, Array, Array]
+from agents.arithmetic import Parts, greater, lesser, sqrt
 
 FRONT = 0.29  # [m] ahead of the axle from which turning serves the hand in full
 FAR = 0.28  # [m] from the goal, seen from above, from which it is driven to

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from agents.agent import Array, Body, Percepts
-from agents.arithmetic import known, sqrt, squared_length
+from agents.arithmetic import Parts, known, parts, sqrt
 from plant.kinematics import ArmPose, kinematics_of
 
 Perception = Literal["auto", "blackboard", "localiser"]
@@ -51,7 +51,7 @@ class Sight:
         self.sees = frozenset(
             {"blackboard": by_model, "localiser": {"hand"}, "auto": by_model | {"hand"}}[perception]
         )
-        self._difference: Array = np.zeros(3)
+        self._difference: Parts = cast("Parts", (0.0, 0.0, 0.0))
         self._spread = cast("Array", 0.0)
         self._t: float | None = None
 
@@ -78,8 +78,12 @@ class Sight:
         elapsed = 0.0 if self._t is None else min(max(t - self._t, 0.0), self.LASTING)
         self._t = t
         share = elapsed / self.LASTING
-        surprise = by_eye - by_model - self._difference
-        self._difference = self._difference + share * surprise
-        self._spread = (1 - share) * (self._spread + share * squared_length(surprise))
+        (eye_x, eye_y, eye_z), (x, y, z) = parts(by_eye), parts(by_model)
+        before_x, before_y, before_z = self._difference
+        more_x, more_y, more_z = eye_x - x - before_x, eye_y - y - before_y, eye_z - z - before_z
+        x, y, z = before_x + share * more_x, before_y + share * more_y, before_z + share * more_z
+        self._difference = x, y, z
+        surprise = more_x * more_x + more_y * more_y + more_z * more_z
+        self._spread = (1 - share) * (self._spread + share * surprise)
         chance = self.SPREADS * sqrt(self._spread * share / (2 - share))
-        return sqrt(squared_length(self._difference)) < self.SAME + chance
+        return sqrt(x * x + y * y + z * z) < self.SAME + chance
