@@ -5,7 +5,7 @@ from typing import cast
 import numpy as np
 
 from agents.agent import Array
-from agents.arithmetic import greater, lesser, where
+from agents.arithmetic import alike, greater, lesser, where
 
 
 class EagerGain:
@@ -31,7 +31,7 @@ class EagerGain:
     def after(self, wanted: Array) -> Array:
         """Return the gain for this correction `wanted` (...), in any unit."""
         before, self._wanted = self._wanted, wanted
-        if before is not None and np.shape(before) == np.shape(wanted):
+        if before is not None and alike(before, wanted):
             product, left, share = wanted * before, abs(wanted), abs(before)
             overshot = (product < 0) & (left > self.OVERSHOT * share)
             slow = (product > 0) & (left > self.SLOW * share)

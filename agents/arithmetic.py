@@ -41,6 +41,13 @@ def plain(value: Array) -> Array:
     return value if value.ndim else float(value)  # type: ignore[return-value]
 
 
+def alike(a: Array, b: Array) -> bool:
+    """Tell whether the two are of as many robots."""
+    if isinstance(a, _MANY) and isinstance(b, _MANY):
+        return a.shape == b.shape
+    return not isinstance(a, _MANY) and not isinstance(b, _MANY)
+
+
 def squared_length(vector: Array) -> Array:
     """Return the square of the length (...) of vectors (..., 3)."""
     x, y, z = parts(vector)

@@ -76,17 +76,18 @@ class LineByModel(Law):
         drift = self._seen.after(t, hand)
         ahead = hand if drift is None else hand + drift * self._horizon
         elapsed = self._elapsed.at(t)
+        place, going = goal.at(t), goal.velocity_at(t)
         turn = best_turn(
             ahead,
-            self.aim(goal.ahead(t, self._horizon), ahead, elapsed),
+            self.aim(place + going * self._horizon, ahead, elapsed),
             view.arm.points[..., self._joint, :],
             view.arm.axes[..., self._joint, :],
         )
         turn = self._stops.turn(t, own.angle, turn)
         kept = exp(-elapsed / self._memory)
         velocity = own.speed * kept + self._gain.after(turn) * turn / self._horizon
-        missing = goal.at(t) - hand
-        velocity = self.paced(velocity, missing, goal.velocity_at(t))
+        missing = place - hand
+        velocity = self.paced(velocity, missing, going)
         bent = self._bend.limited(t, own.angle, velocity, sqrt(squared_length(missing)))
         return where(abs(turn) > np.pi, velocity, bent)  # the long way leads past straight
 

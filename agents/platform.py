@@ -8,6 +8,7 @@ from agents.adaptation import EagerGain, Elapsed, SeenVelocity
 from agents.agent import REST, Agent, AgentError, Array, Body, Goal, Percepts
 from agents.arithmetic import (
     Mask,
+    alike,
     arctan2,
     cos,
     greater,
@@ -150,7 +151,7 @@ class PlatformAgent(Agent):
 
     def _scene(self, t: float, hand: Array, base: Array, goal: Goal) -> Scene:
         x, y, told = parts(base)
-        if self._heading is None or np.shape(self._heading) != np.shape(told):
+        if self._heading is None or not alike(self._heading, told):
             self._heading = told
         self._heading = heading = self._heading + wrapped(told - self._heading)
         linear_x, linear_y, angular = parts(_velocity(self._motion, t, joined(x, y, heading)))

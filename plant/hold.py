@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
-from plant.motion import Commands
-from plant.robot import Array, Robot
+from plant.motion import STILL, Commands
+from plant.robot import Robot
 
 
 class Hold:
@@ -18,8 +18,8 @@ class Hold:
     def __init__(self, robot: Robot, seconds: float) -> None:
         """Nothing has been told yet, so all stand still."""
         self.seconds = seconds
-        self._joints, self._base = np.zeros(robot.n), np.zeros(2)
-        self._joints_told, self._base_told = np.full(robot.n, -math.inf), -math.inf
+        self._joints, self._base = [0.0] * robot.n, (0.0, 0.0)
+        self._joints_told, self._base_told = [-math.inf] * robot.n, -math.inf
 
     def tell_joint(self, index: int, velocity: float, t: float) -> None:
         """A command to the joint of that index (from 0) [rad/s] arrived at plant time `t` [s]."""
@@ -27,10 +27,15 @@ class Hold:
 
     def tell_base(self, linear: float, angular: float, t: float) -> None:
         """A command to the platform [m/s], [rad/s] arrived at plant time `t` [s]."""
-        self._base[:], self._base_told = (linear, angular), t
+        self._base, self._base_told = (linear, angular), t
 
     def commands(self, t: float) -> Commands:
         """What the motors are told at plant time `t` [s]."""
         oldest = t - self.seconds - 1e-9  # so that rounding does not drop one of exactly that age
-        joints: Array = np.where(self._joints_told >= oldest, self._joints, 0.0)
-        return Commands(joints, self._base * (self._base_told >= oldest))
+        joints = [
+            velocity if told >= oldest else 0.0
+            for velocity, told in zip(self._joints, self._joints_told, strict=True)
+        ]
+        return Commands(
+            np.array(joints), np.array(self._base) if self._base_told >= oldest else STILL
+        )
