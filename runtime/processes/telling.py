@@ -5,8 +5,8 @@ from collections.abc import Sequence
 
 from plant.simulator import Simulator
 from runtime.wire import keys
-from runtime.wire.bus import Bus
-from runtime.wire.messages import HandPose, JointStates, PlatformPose
+from runtime.wire.bus import Bus, Publisher, send_together
+from runtime.wire.messages import HandPose, JointStates, Message, PlatformPose
 
 
 class Teller:
@@ -26,16 +26,16 @@ class Teller:
     def tell(self) -> None:
         """Send the present state."""
         simulator = self._simulator
-        state = simulator.state
+        state, seen, encoders = simulator.state, simulator.localiser(), simulator.encoders()
+        told: list[tuple[Publisher, Message]] = []
         if self._has_drive:
-            self._platform.send(PlatformPose(state.t, *state.base.tolist()))
-        seen = simulator.localiser()
+            told.append((self._platform, PlatformPose(state.t, *state.base.tolist())))
         if seen is not None:
             position, orientation = seen.position.tolist(), seen.orientation.tolist()
-            self._hand.send(HandPose(state.t, tuple(position), tuple(orientation)))
-        encoders = simulator.encoders()
+            told.append((self._hand, HandPose(state.t, tuple(position), tuple(orientation))))
         q, qd = encoders.q.tolist(), encoders.qd.tolist()
-        self._joints.send(JointStates(state.t, tuple(q), tuple(qd)))
+        told.append((self._joints, JointStates(state.t, tuple(q), tuple(qd))))
+        send_together(told)
 
 
 class Truth:

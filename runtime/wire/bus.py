@@ -46,11 +46,27 @@ class Publisher:
 
     def send(self, message: Message) -> None:
         """Send and do not wait."""
+        self._put(self._packed(message))
+
+    def _packed(self, message: Message) -> bytes:
         self._n += 1
+        return pack(stamp(message, self._incarnation, self._n))
+
+    def _put(self, packed: bytes) -> None:
         try:
-            self._publisher.put(pack(stamp(message, self._incarnation, self._n)))
+            self._publisher.put(packed)
         except zenoh.ZError as error:
             raise BusError(f"the bus is closed: {error}") from None
+
+
+def send_together(messages: Sequence[tuple[Publisher, Message]]) -> None:
+    """Send several, the last one on an express publisher, so that all go in one packet.
+
+    Nothing is worked out in between, or what was sent first might go alone.
+    """
+    packed = [(publisher, publisher._packed(message)) for publisher, message in messages]
+    for publisher, data in packed:
+        publisher._put(data)
 
 
 class Ring:
