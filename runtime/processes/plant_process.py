@@ -105,9 +105,9 @@ class PlantLoop(Loop):
         self._inject_faults()
         commands, ages = self._orders.in_force(self._process.t)
         self._process.t = self._simulator.step(commands).t
+        self._goal.keep(now)
         self._answers.told(self._process.t, time.monotonic())
         self._teller.tell()
-        self._goal.keep(now)
         self._note_truth(ages)
 
     def _take_orders(self, now: float) -> bool:
