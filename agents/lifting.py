@@ -93,8 +93,8 @@ class Lift(NamedTuple):
         return greater(sqrt(self.up.at_0 * self.up.at_0 + self.up.at_90 * self.up.at_90), 1e-9)
 
 
-FORESEEN = 0.91  # of the circle's height, up to which the hand's way is worked out beforehand
-NEXT_TO_TOP = 0.97  # of the circle's height, beyond which there is no telling
+FORESEEN = 0.97  # of the circle's height, up to which the hand's way is worked out beforehand
+NEXT_TO_TOP = 0.985  # of the circle's height, beyond which there is no telling
 LEAST_RATE = 1e-4  # [m/rad] of height, so that no slope is infinite
 
 

@@ -55,12 +55,13 @@ class Riding:
     TURNS = 2.5  # [rad/s] for each radian off that way
     AGREES = 9.3  # [1/s] at which it takes on the goal's speed
     CATCHES_UP = 19.26  # [1/s2] for each metre that it is behind its place
-    OFF = 0.43  # sine of the most that it heads off where the goal goes
-    LEVERS = 5.0  # distances of hand and axle that the goal goes on by in the time foreseen
-    LONGEST = 40.0  # [s] that are foreseen at the most
-    STEPS = 12  # in which it is foreseen
+    OFF = 0.8  # sine of the most that it heads off where the goal goes
+    LEVERS = 8.0  # distances of hand and axle that the goal goes on by in the time foreseen
+    LONGEST = 60.0  # [s] that are foreseen at the most
+    STEPS = 16  # in which it is foreseen
+    PASSES = 2  # over each step: its middle is known only once its beginning is
     LEAST = 0.02  # [m] of hand and axle, so that nothing is infinite
-    SWINGS = 0.3  # [rad/s] with which the heading wanted may change
+    SWINGS = 1.0  # [rad/s] with which the heading wanted may change
 
     def __init__(self, drive: Drive) -> None:
         """Drive as fast as that drive may."""
@@ -164,11 +165,16 @@ class Riding:
         off = later
         for k in range(self.STEPS - 1, -1, -1):
             now_lever, now = steady(k)
-            turns = step * speed * cos(0.5 * (now + later)) / (0.5 * (now_lever + later_lever))
-            turns = greater(turns, 1e-6)
-            kept = exp(-turns)
-            # exact for a steady angle that changes evenly from one step to the next
-            off = now * (1 - kept) + (later - now) * (1 - kept * (1 + turns)) / turns + kept * off
+            levers = 2 * step * speed / (now_lever + later_lever)
+            before = off
+            for _ in range(self.PASSES):
+                # sin d - sin d' is cos((d + d') / 2) times d - d', nearly
+                turns = greater(levers * cos(0.25 * (now + later + before + off)), 1e-6)
+                kept = exp(-turns)
+                # exact for a steady angle that changes evenly from one step to the next
+                came = (later - now) * (1 - kept * (1 + turns)) / turns
+                before = now * (1 - kept) + came + kept * off
+            off = before
             later_lever, later = now_lever, now
         swings = sign * (speed * sin(off) - place.left_slope * rises) / lever
         return off, within(swings, self.SWINGS)

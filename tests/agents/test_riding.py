@@ -44,6 +44,21 @@ def test_all_goes_on_as_it_is_when_the_hand_rides_along_the_path(ahead, left):
     assert angular == pytest.approx(0.0, abs=1e-9)
 
 
+@pytest.mark.parametrize("ahead", [-0.6, -0.3, -0.15])
+def test_how_far_it_heads_off_changes_as_fast_as_it_foresees(ahead):
+    riding, on_it, rises, soon = Riding(ARPH.drive), lift(ahead, 0.4), 0.02, 1e-3
+
+    def off(after):
+        up = 1.0 + rises * after
+        now = scene(carried=ahead, missing=(0.0, 0.0))
+        now = now._replace(hand=(ahead, 0.4, up), going=(now.speed, 0.0, rises))
+        return riding._off(now, on_it, on_it.at(np.float64(up)))
+
+    angle, rate = off(0.0)
+    assert abs(angle) > 0.05
+    assert (off(soon)[0] - angle) / soon == pytest.approx(rate, rel=0.02, abs=2e-4)
+
+
 @pytest.mark.parametrize("ahead", [-0.5, 0.4])
 def test_it_turns_to_the_side_on_which_the_hand_is_missing(ahead):
     assert ridden(ahead, 0.1, missing=(0.0, 0.05))[1] > 0.05
