@@ -7,6 +7,7 @@ import numpy as np
 from agents.agent import REST, Agent, AgentError, Array, Body, Joints, Percepts
 from agents.arithmetic import plain, within
 from agents.by_eye import LineByEye
+from agents.carried import CarriedLineByModel
 from agents.even import EvenLineByModel
 from agents.laws import Law, LineByModel, Own, StepByEye, StepByModel
 from agents.sight import Perception, Sight
@@ -32,8 +33,9 @@ class JointAgent(Agent):
     ) -> None:
         """Become the agent of one joint.
 
-        law: relaxed line minimisation (`LineByModel`, `LineByEye`), the same with an even part for
-            all joints where there is a model (`EvenLineByModel`), or the paper's fixed step
+        law: relaxed line minimisation (`LineByModel`, on a platform `CarriedLineByModel`; or
+            `LineByEye`), the same with an even part for all joints where there is a model
+            (`EvenLineByModel`), or the paper's fixed step
         perception: see `Sight`
         gain: of the lines, with a model: share of the best turn made, to begin with; it adapts
         horizon: of the lines: how far ahead it looks [s]; at least one and a half control periods
@@ -64,7 +66,8 @@ class JointAgent(Agent):
             self._by_model = StepByModel(self._joint, speed=speed, period=body.period)
             self._by_eye = StepByEye(speed)
         else:
-            line = LineByModel if law == "line" else EvenLineByModel
+            plain_line = LineByModel if body.robot.drive is None else CarriedLineByModel
+            line = plain_line if law == "line" else EvenLineByModel
             self._by_model = line(
                 body, self._joint, gain=gain, horizon=horizon, memory=memory, bend=bend
             )

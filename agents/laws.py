@@ -8,11 +8,12 @@ import numpy as np
 
 from agents.adaptation import EagerGain, Elapsed, SeenVelocity
 from agents.agent import Array, Body, Goal
-from agents.arithmetic import greater, parts, sqrt, squared_length, where, within
+from agents.arithmetic import sqrt, squared_length, where
 from agents.bend import Bend
 from agents.sight import View
 from agents.stops import Stops
 from agents.turning import best_turn, turned
+from plant.kinematics import ArmPose
 
 
 class Own(NamedTuple):
@@ -50,7 +51,6 @@ class LineByModel(Law):
     nothing; it is the encoder that remembers, so what does not turn does not wind up.
     """
 
-    NEAR = 0.2242  # [m] off on the level from which a goal is the platform's affair rather than its
     MOST = 0.85  # share of the best turn above which even a lone agent gains nothing
 
     def __init__(
@@ -59,7 +59,6 @@ class LineByModel(Law):
         """Turn joint `joint` (from 0) of that body: see `JointAgent` for the rest."""
         self._joint = joint
         self._stops = Stops(body.robot.lower[joint], body.robot.upper[joint])
-        self._mobile = body.robot.drive is not None
         self._top_speed = float(body.robot.max_speed[joint])
         self._horizon = horizon
         self._memory = memory
@@ -77,15 +76,11 @@ class LineByModel(Law):
         ahead = hand if drift is None else hand + drift * self._horizon
         elapsed = self._elapsed.at(t)
         place, going = goal.at(t), goal.velocity_at(t)
-        turn = best_turn(
-            ahead,
-            self.aim(place + going * self._horizon, ahead, elapsed),
-            view.arm.points[..., self._joint, :],
-            view.arm.axes[..., self._joint, :],
-        )
+        aim = self.aim(place + going * self._horizon, ahead, elapsed)
+        turn, lasting = self.toward(ahead, aim, view.arm, own.speed, going)
         turn = self._stops.turn(t, own.angle, turn)
-        kept = exp(-elapsed / self._memory)
-        velocity = own.speed * kept + self._gain.after(turn) * turn / self._horizon
+        fading = (1 - lasting) * (1 - exp(-elapsed / self._memory))
+        velocity = own.speed * (1 - fading) + self._gain.after(turn) * turn / self._horizon
         missing = place - hand
         velocity = self.paced(velocity, missing, going)
         bent = self._bend.limited(t, own.angle, velocity, sqrt(squared_length(missing)))
@@ -98,20 +93,23 @@ class LineByModel(Law):
         """
         return place
 
+    def toward(
+        self, ahead: Array, place: Array, arm: ArmPose, speed: Array, going: Array
+    ) -> tuple[Array, Array | float]:
+        """Return the turn (...) [rad], and how much (...), 0 to 1, of the motion is not to fade.
+
+        ahead, place: (..., 3) [m] where the hand would be, and where to bring it
+        speed: (...) [rad/s] of the joint; going: (..., 3) [m/s] of the goal
+        """
+        point, axis = arm.points[..., self._joint, :], arm.axes[..., self._joint, :]
+        return best_turn(ahead, place, point, axis), 0.0
+
     def paced(self, velocity: Array, missing: Array, going: Array) -> Array:
         """Return at what velocity (...) [rad/s] to turn.
 
-        On a platform that is to bring the arm there first, a goal that is far on the level does
-        not throw the arm about: it does not fold over after one behind it nor stretch for one
-        ahead, only to have to come back. A person, too, walks up to a thing before reaching for it.
-
         missing: (..., 3) [m] from hand to goal; going: (..., 3) [m/s] of the goal
         """
-        if not self._mobile:
-            return velocity
-        x, y, _ = parts(missing)
-        near = self.NEAR * self.NEAR
-        return within(velocity, self._top_speed * near / greater(x * x + y * y, near))
+        return velocity
 
 
 class StepByModel(Law):

@@ -1,0 +1,54 @@
+"""Line minimisation in an arm that is carried by a platform."""
+
+from agents.agent import Array
+from agents.arithmetic import arctan2, greater, lesser, mixed, parts, ramp, sqrt, within
+from agents.laws import LineByModel
+from plant.kinematics import ArmPose
+
+
+class CarriedLineByModel(LineByModel):
+    """Line minimisation in which height comes first: the arm alone can lift the hand.
+
+    Where the goal is on the level the platform sees to as well. So a joint answers an error in
+    height more firmly the less it can do about it: one that mostly slides the hand to and fro as
+    it lifts it, as a shoulder does under a raised arm, would else hardly answer at all, and the
+    hand would bob up and down. And what lifts the hand as the goal rises does not fade, for
+    nobody else will do it. On the level its motion fades, so that the platform takes over.
+
+    A goal that is far on the level does not throw the arm about: it does not fold over after one
+    behind it nor stretch for one ahead, only to have to come back. A person, too, walks up to a
+    thing before reaching for it.
+    """
+
+    NEAR = 0.2242  # [m] off on the level from which a goal is the platform's affair rather than its
+    SLIDES = 0.5  # of the square of how far it slides the hand, that counts against lifting it
+    CLOSE = 0.03, 0.1  # [m] of hand and goal: height first up to there, the whole distance beyond
+    TINY = 1e-8  # [m2], [m2/s2] so that nothing is divided by nothing
+
+    def toward(
+        self, ahead: Array, place: Array, arm: ArmPose, speed: Array, going: Array
+    ) -> tuple[Array, Array | float]:
+        """Return the turn (...) [rad], and how much (...), 0 to 1, of the motion is not to fade."""
+        point = arm.points[..., self._joint, :]
+        rx, ry, rz = parts(ahead - point)
+        sx, sy, sz = parts(place - point)
+        ax, ay, az = parts(arm.axes[..., self._joint, :])
+        # the way of the hand [m] for each radian; with it, the exact best turn: see `best_turn`
+        x, y, z = ay * rz - az * ry, az * rx - ax * rz, ax * ry - ay * rx
+        along = (ax * rx + ay * ry + az * rz) * (ax * sx + ay * sy + az * sz)
+        turn = arctan2(x * sx + y * sy + z * sz, rx * sx + ry * sy + rz * sz - along)
+        off_x, off_y, off_z = sx - rx, sy - ry, sz - rz
+        slides, lifts = x * x + y * y, z * z + self.TINY
+        closing = (x * off_x + y * off_y) / (slides + lifts)
+        closing = closing + z * off_z / (self.SLIDES * slides + lifts)
+        far = ramp(sqrt(off_x * off_x + off_y * off_y + off_z * off_z), *self.CLOSE)
+        now_x, now_y, _ = parts(arm.tip - point)
+        lifted = speed * (ax * now_y - ay * now_x)
+        serves = parts(going)[2] * lifted / greater(lifted * lifted, self.TINY)
+        return mixed(closing, turn, far), lesser(greater(serves, 0.0), 1.0)
+
+    def paced(self, velocity: Array, missing: Array, going: Array) -> Array:
+        """Return the velocity (...) [rad/s], less while the goal is far on the level."""
+        x, y, _ = parts(missing)
+        near = self.NEAR * self.NEAR
+        return within(velocity, self._top_speed * near / greater(x * x + y * y, near))
