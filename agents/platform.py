@@ -139,15 +139,33 @@ class PlatformAgent(Agent):
         towing = Towing.share(scene)
         linear = mixed(linear, towed_linear, towing)
         eased_linear = mixed(eased_linear, towed_linear, towing)
-        eased_angular = mixed(eased_angular * brisk, towed_angular, towing)
+        eased_angular = self._kept_up_with(eased_angular * brisk, scene)
+        eased_angular = mixed(eased_angular, towed_angular, towing)
         top = mixed(top, self._drive.max_linear, towing)
         faster = eased_linear - scene.linear
         ease_linear = self._ease_linear * elapsed
         braking = ease_linear * (1 + BRAKES * (1 - scene.led_on))
         ease_angular = self._ease_angular * elapsed * (2 * brisk - 1)
         linear = linear + greater(lesser(faster, ease_linear), -braking)
-        angular = angular + within(eased_angular - scene.angular, ease_angular)
-        return lesser(greater(linear, 0.0), top), angular
+        turning = within(eased_angular - scene.angular, ease_angular)
+        # a hand carried at its side goes on with the goal: it drives as much more as it turns
+        led = (1 - scene.in_front) * scene.led_on * (1 - towing)
+        linear = linear + led * scene.aside * turning
+        return lesser(greater(linear, 0.0), top), angular + turning
+
+    def _kept_up_with(self, angular: Array, scene: Scene) -> Array:
+        """Return the turning (...) [rad/s], no faster than driving can make up for.
+
+        A hand that is carried at its side goes on or back as it turns. What that takes is neither
+        to be more than its top speed, less a reserve, nor to be driven backwards.
+        """
+        going = scene.going[0] * scene.ahead[0] + scene.going[1] * scene.ahead[1]
+        on = greater(KEPT_UP * self._drive.max_linear - going, 0.0)
+        back = lesser(-going, 0.0)
+        side = where(scene.aside < 0, -1.0, 1.0)
+        aside = greater(abs(scene.aside), LEAST_ASIDE)
+        bounded = side * lesser(greater(side * aside * angular, back), on) / aside
+        return mixed(bounded, angular, scene.far)
 
     def _scene(self, t: float, hand: Array, base: Array, goal: Goal) -> Scene:
         x, y, told = parts(base)
@@ -236,6 +254,8 @@ class PlatformAgent(Agent):
 LEAD = 0.13  # [m] how far along the hand's travel a steering platform looks, at the least
 NEAR_ROOT = 0.05  # [m] from the arm's root within which the arm points nowhere
 ARM_WEIGHT = 0.4  # of where the arm points, beside where the hand has to go
+KEPT_UP = 0.8  # of its top speed, that it may need to keep the hand with the goal as it turns
+LEAST_ASIDE = 0.01  # [m] of a hand at its side, so that nothing is infinite
 BRAKES = 8.556  # times as briskly again does it slow down for a goal that stands still
 BRISK = 14.0  # times as briskly does it line up where turning does not serve the hand
 

@@ -20,7 +20,7 @@ class Towing:
     """
 
     BEHIND = -0.15, 0.0  # [m] of the hand ahead of the axle: towed and nothing else, not towed
-    LOOKS = 0.2054  # [m] along the line, beyond the place abreast of which the axle is to be
+    LOOKS = 0.2054  # [m] ahead along the line, or as far as the hand is behind it if that is more
     TURNS = 1.882  # [rad/s] for each radian off that way
     AGREES = 4.4  # [1/s] at which it takes on the goal's speed
     CATCHES_UP = 8.0  # [1/s2] for each metre that it is behind its place
@@ -44,7 +44,8 @@ class Towing:
         speed = greater(scene.speed, 1e-6)
         on_x, on_y = scene.going[0] / speed, scene.going[1] / speed
         along, beside = Pursuit.place(scene, (on_x, on_y), carried, aside)
-        course = arctan2(on_y, on_x) + arctan2(beside, self.LOOKS + greater(along, 0.0))
+        looks = greater(abs(carried), self.LOOKS) + greater(along, 0.0)
+        course = arctan2(on_y, on_x) + arctan2(beside, looks)
         slower = (scene.going[0] - scene.drift[0]) * on_x + (scene.going[1] - scene.drift[1]) * on_y
         return self._pursuit.speeds(elapsed, scene, along, slower, course)
 

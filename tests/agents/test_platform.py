@@ -8,6 +8,7 @@ from agents.deadlock import Deadlock
 from agents.platform import PlatformAgent
 from plant.urdf import load
 from tests.agents.conftest import START
+from tests.agents.test_towing import scene
 
 
 def test_it_drives_when_the_goal_is_ahead(body, percepts):
@@ -123,3 +124,14 @@ def test_standing_still_is_no_deadlock():
 
 def test_near_the_goal_nothing_is_stuck():
     assert not wait_times([0.005] * 60, 0.2)
+
+
+@pytest.mark.parametrize("side", [-0.4, 0.4])
+@pytest.mark.parametrize("turning", [-3.0, 3.0])
+def test_it_turns_no_faster_than_driving_makes_up_for(body, arph, side, turning):
+    now = scene(carried=0.0)
+    now = now._replace(aside=np.float64(side))
+    kept = PlatformAgent(body(None))._kept_up_with(np.float64(turning), now)
+    needed = now.speed + kept * side
+    assert -1e-9 <= needed <= 0.8 * arph.drive.max_linear + 1e-9
+    assert kept * turning > 0
