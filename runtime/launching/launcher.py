@@ -78,7 +78,8 @@ def prepare(
         run = new_run_folder(deployment.runs, deployment.robot).absolute()
         (run / "deployment.yaml").write_text(deployment.dump(), encoding="utf-8")
     except OSError as error:
-        raise RunError(f"the folder of the run cannot be written: {error}") from None
+        why = error.strerror or error
+        raise RunError(f"the folder of the run cannot be written: {why}") from None
     return run
 
 

@@ -140,9 +140,12 @@ def _outcome(
     if course.code == INTERRUPTED:
         return INTERRUPTED, f"interrupted at {verdict.t:.2f} s"
     if deployment.duration is not None and verdict.t < deployment.duration - 1e-9:
+        when = f"at {verdict.t:.2f} s of {deployment.duration:g} s"
+        if course.view.t > deployment.duration - 1e-9:
+            return FAILED, f"the plant went on, but its log ends {when}: is the disk full?"
         why = end.get("reason", "its process was killed")
         code = FAILED if end.get("code", FAILED) == FAILED else INTERRUPTED
-        return code, f"the plant ended at {verdict.t:.2f} s of {deployment.duration:g} s: {why}"
+        return code, f"the plant ended {when}: {why}"
     if verdict.tracking is None:
         return OK, f"ran to {verdict.t:.2f} s"
     return _reached(verdict.tracking, verdict.t, deployment.tolerance)
@@ -256,8 +259,3 @@ def _line(process: ProcessSummary) -> tuple[str, ...]:
         milliseconds(process.answer, worst=True) if process.answer else "",
         ", ".join(f"{count} {reason}" for reason, count in counts.items()) or "0",
     )
-
-
-def write(summary: Summary) -> None:
-    """Write `summary.json` to the folder of the run."""
-    (summary.run / "summary.json").write_text(summary.to_json(), encoding="utf-8")

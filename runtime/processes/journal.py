@@ -67,7 +67,10 @@ class Journal:
 
 def _unwritable(path: Path, error: OSError) -> JournalError:
     why = error.strerror or str(error)
-    return JournalError(f"the log {path} cannot be written: {why}; --run gives another folder")
+    return JournalError(
+        f"the log {path} cannot be written: {why}; `runs` of the deployment file, or "
+        "`--run` of a single process, gives another folder"
+    )
 
 
 def new_run_folder(runs: Path, robot: str) -> Path:

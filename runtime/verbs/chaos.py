@@ -5,10 +5,12 @@ import shlex
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from pathlib import Path
 from typing import Protocol
 
 from runtime.config.options import add_deployment_options, given, load_from
 from runtime.launching.campaign import Trial, carry_out, check
+from runtime.launching.saving import save
 from runtime.launching.saying import say
 from runtime.launching.summary import MISSED
 from runtime.launching.tally import Tally, faults
@@ -44,13 +46,18 @@ def run(args: argparse.Namespace) -> int:
             code = INTERRUPTED
     again = shlex.join(["msma", "chaos", args.file, *given(args), "--runs", "1"])
     tally = Tally(deployment, trials, again)
-    (folder / f"{NAME}.md").write_text(tally.markdown(), encoding="utf-8")
-    (folder / f"{NAME}.json").write_text(tally.to_json(), encoding="utf-8")
-    say(f"{tally.text()}\n  all in {folder / NAME}.md and .json")
+    say(tally.text())
+    say(_kept(folder / f"{NAME}.md", tally.markdown()))
+    say(_kept(folder / f"{NAME}.json", tally.to_json()))
     outcomes = {trial.outcome for trial in trials}
     if code == OK and outcomes != {"reached"}:
         return FAILED if "failed" in outcomes else MISSED
     return code
+
+
+def _kept(file: Path, text: str) -> str:
+    """Write a file, and return a line that says where it is, or why it is not."""
+    return save(file, lambda file: file.write_text(text, encoding="utf-8")) or f"  {file}"
 
 
 class _Progress(Protocol):

@@ -48,9 +48,11 @@ def record(
     return Record(t, t + 1e9, hand, q, base, np.tile([speed, 0.0], (m, 1)), ages, [end])
 
 
-def outcome(deployment: Deployment, made: Record | None, code: int = 0) -> Summary:
+def outcome(
+    deployment: Deployment, made: Record | None, code: int = 0, seen: View = NOTHING
+) -> Summary:
     verdict = None if made is None else judge(made, deployment)
-    return summarise(deployment, Path("/nowhere"), Course(code, "-", NOTHING, ()), made, verdict)
+    return summarise(deployment, Path("/nowhere"), Course(code, "-", seen, ()), made, verdict)
 
 
 def test_a_hand_near_its_goal_all_along_has_reached_it(deployment: Deployment) -> None:
@@ -112,6 +114,14 @@ def test_a_plant_that_ends_early_decides_the_exit_code(
 ) -> None:
     made = record(deployment, 0.0, until=9.0, end={"event": "x", **end})
     assert outcome(deployment, made).code == code
+
+
+def test_a_log_that_ends_before_its_plant_is_no_success(deployment: Deployment) -> None:
+    assert deployment.duration is not None
+    made = record(deployment, 0.0, until=9.0)
+    told = outcome(deployment, made, seen=NOTHING._replace(t=deployment.duration))
+    assert told.code == FAILED
+    assert "is the disk full?" in told.headline
 
 
 def test_a_robot_that_never_moved_has_failed(deployment: Deployment, tmp_path: Path) -> None:
