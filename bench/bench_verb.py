@@ -3,6 +3,7 @@
 import argparse
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 from rich.console import Console
@@ -43,10 +44,16 @@ def one(name: str, folder: Path, size: float, *, pictures: bool = True) -> Repor
     machine, busy, begun = describe(), Busy(), time.perf_counter()
     result = chosen.measure(size, Watch(_show if sys.stderr.isatty() else None))
     took = time.perf_counter() - begun
-    drawn = chosen.draw(result, folder) if pictures else ()
-    report = Report(chosen, result, machine, drawn, took, size, *busy.shares())
+    report = Report(chosen, result, machine, (), took, size, *busy.shares())
+    console = Console()
+    if not console.is_terminal:
+        console = Console(width=160)
+    _print(report, console)  # first of all: a disk may be full
+    if pictures:
+        report = replace(report, pictures=chosen.draw(result, folder))
     write(report, folder)
-    _print(report, folder)
+    files = ", ".join([f"{name}.md", f"{name}.json", *(file.name for file in report.pictures)])
+    console.print(f"{report.summary}; in {folder}: {files}", highlight=False)
     return report
 
 
@@ -55,11 +62,8 @@ def _show(what: str, done: float) -> None:
     print(f"\r\x1b[K{100 * done:3.0f} % {what}", end="", file=sys.stderr, flush=True)
 
 
-def _print(report: Report, folder: Path) -> None:
-    console = Console()
-    if not console.is_terminal:
-        console = Console(width=160)
-    else:
+def _print(report: Report, console: Console) -> None:
+    if console.is_terminal:
         print("\r\x1b[K", end="", file=sys.stderr, flush=True)
     console.print(f"[bold]{report.bench.name}: {report.bench.title}[/bold]")
     console.print(report.machine.text(), style="dim", markup=False)
@@ -70,6 +74,3 @@ def _print(report: Report, folder: Path) -> None:
         console.print(table)
     for note in report.result.notes:
         console.print(f"- {note}", highlight=False, markup=False)
-    files = ", ".join([f"{report.bench.name}.md", f"{report.bench.name}.json",
-                       *(picture.name for picture in report.pictures)])  # fmt: skip
-    console.print(f"{report.summary}; in {folder}: {files}", highlight=False)

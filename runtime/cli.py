@@ -42,6 +42,12 @@ def main(argv: Sequence[str] | None = None) -> int:
     except BrokenPipeError:  # who reads our output has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
+    except OSError as error:  # a full disk, say
+        if error.errno is None:  # it is not the system's word
+            raise
+        where = f"{error.filename}: " if error.filename else ""
+        print(f"msma: {where}{error.strerror}", file=sys.stderr)
+        return 1
 
 
 def launch() -> int:

@@ -3,6 +3,7 @@
 import argparse
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 from rich.console import Console
@@ -42,27 +43,25 @@ def one(name: str, folder: Path, size: float, *, pictures: bool = True) -> Repor
     with _Bar(name) as bar:
         found = chosen.measure(size, Watch(bar.show))
         took = time.perf_counter() - begun
-        drawn: tuple[Path, ...] = ()
-        if pictures:
-            bar.show("drawing", 1.0)
-            drawn = chosen.draw(found, folder)
-    report = Report(name, chosen.title, found, drawn, took, size)
-    write(report, folder)
-    _print(report, folder)
-    return report
-
-
-def _print(report: Report, folder: Path) -> None:
+    report = Report(name, chosen.title, found, (), took, size)
     console = Console()
     if not console.is_terminal:
         console = Console(width=160)
+    _print(report, console)  # first of all: a disk may be full
+    if pictures:
+        report = replace(report, pictures=chosen.draw(found, folder))
+    write(report, folder)
+    files = ", ".join(picture.name for picture in report.pictures)
+    console.print(f"{report.summary}; in {folder}: {report.name}.md, {report.name}.json, {files}")
+    return report
+
+
+def _print(report: Report, console: Console) -> None:
     head, *body = cells(report.found.rows)
     table = Table(*head, title=f"{report.name}: {report.title}", title_justify="left")
     for row in body:
         table.add_row(*row, style="bold" if row[3] == "MISSED" else None)
     console.print(table)
-    files = ", ".join(picture.name for picture in report.pictures)
-    console.print(f"{report.summary}; in {folder}: {report.name}.md, {report.name}.json, {files}")
 
 
 class _Bar:

@@ -35,6 +35,19 @@ def test_an_unknown_verb_is_refused_with_the_nearest(capsys: pytest.CaptureFixtu
     assert told.startswith("msma: there is no verb 'valdate'; did you mean 'validate'? valid are ")
 
 
+def test_a_full_disk_is_one_line_and_exit_code_1(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def full(_: object) -> int:
+        with open("/dev/full", "w", encoding="utf-8") as file:
+            file.write("x")
+        return 0
+
+    monkeypatch.setattr("runtime.verbs.validate.run", full)
+    assert main(["validate", FILE]) == 1
+    assert capsys.readouterr().err == "msma: No space left on device\n"
+
+
 @pytest.mark.parametrize(("argv", "code"), [(["--help"], 0), (["-h"], 0), ([], 2)])
 def test_help_lists_the_verbs(
     argv: list[str], code: int, capsys: pytest.CaptureFixture[str]
