@@ -16,6 +16,7 @@ from agents.arithmetic import (
     lesser,
     mixed,
     parts,
+    ramp,
     sin,
     sqrt,
     where,
@@ -100,7 +101,7 @@ class PlatformAgent(Agent):
         self._turn_gain = EagerGain(gain, max(gain, 0.85))
         root, length = _root_and_length(body)
         self._root = root.tolist()
-        self._reach = reach * length
+        self._reach, self._length = reach * length, length
         self._bearing = bearing
         self._hurry, self._turning = hurry, turning
         self._ease_linear, self._ease_angular = ease_linear, ease_angular
@@ -133,7 +134,7 @@ class PlatformAgent(Agent):
     def _speeds(self, elapsed: float, scene: Scene) -> tuple[Array, Array]:
         """Return the speeds that its behaviours come to, the higher before the lower."""
         linear, angular = self._bring_nearer(scene)
-        eased_linear, eased_angular, top = self._line_up(scene)
+        eased_linear, eased_angular, top, stretched = self._line_up(scene)
         brisk = 1 + BRISK * scene.steering
         towed_linear, towed_angular = self._towing.speeds(elapsed, scene)
         towing = Towing.share(scene)
@@ -143,7 +144,7 @@ class PlatformAgent(Agent):
         eased_angular = mixed(eased_angular, towed_angular, towing)
         top = mixed(top, self._drive.max_linear, towing)
         faster = eased_linear - scene.linear
-        ease_linear = self._ease_linear * elapsed
+        ease_linear = self._ease_linear * elapsed * (1 + HASTE * stretched * scene.led_on)
         braking = ease_linear * (1 + BRAKES * (1 - scene.led_on))
         ease_angular = self._ease_angular * elapsed * (2 * brisk - 1)
         linear = linear + greater(lesser(faster, ease_linear), -braking)
@@ -209,10 +210,11 @@ class PlatformAgent(Agent):
             scene.angular + turn_gain * turn / self._horizon,
         )
 
-    def _line_up(self, scene: Scene) -> tuple[Array, Array, Array]:
+    def _line_up(self, scene: Scene) -> tuple[Array, Array, Array, Array]:
         """Return the speeds at which platform, arm and travel come to be lined up, and the top.
 
-        The top speed is less the more it heads past a goal that is far: it turns first.
+        The top speed is less the more it heads past a goal that is far: it turns first. Last comes
+        how far (...), 0 to 1, the arm is stretched.
         """
         ahead_x, ahead_y = scene.ahead
         root_x, root_y, root_z = self._root
@@ -237,7 +239,8 @@ class PlatformAgent(Agent):
         linear = scene.speed * weight * cos(course) + self._hurry * off_reach * cos(bearing)
         facing = lesser(greater(cos(course), 0.0) + 1 - scene.far, 1.0)
         top = self._drive.max_linear * facing
-        return lesser(greater(linear, 0.0), top), self._turning * turn, top
+        stretched = ramp((off_reach + self._reach) / self._length, *STRETCHED)
+        return lesser(greater(linear, 0.0), top), self._turning * turn, top, stretched
 
     def _waits(self, t: float, scene: Scene) -> Mask:
         """Return where (...) it is to stop turning, so that the arm goes first."""
@@ -256,6 +259,8 @@ NEAR_ROOT = 0.05  # [m] from the arm's root within which the arm points nowhere
 ARM_WEIGHT = 0.4  # of where the arm points, beside where the hand has to go
 KEPT_UP = 0.8  # of its top speed, that it may need to keep the hand with the goal as it turns
 LEAST_ASIDE = 0.01  # [m] of a hand at its side, so that nothing is infinite
+STRETCHED = 0.78, 0.88  # of the arm's length, that the hand is from its root: no haste, all of it
+HASTE = 4.0  # times as briskly again does it drive on with a goal that is stretching the arm
 BRAKES = 8.556  # times as briskly again does it slow down for a goal that stands still
 BRISK = 14.0  # times as briskly does it line up where turning does not serve the hand
 
