@@ -45,9 +45,7 @@ def one(name: str, folder: Path, size: float, *, pictures: bool = True) -> Repor
     result = chosen.measure(size, Watch(_show if sys.stderr.isatty() else None))
     took = time.perf_counter() - begun
     report = Report(chosen, result, machine, (), took, size, *busy.shares())
-    console = Console()
-    if not console.is_terminal:
-        console = Console(width=160)
+    console = verb.console()
     _print(report, console)  # first of all: a disk may be full
     if pictures:
         report = replace(report, pictures=chosen.draw(result, folder))

@@ -44,9 +44,7 @@ def one(name: str, folder: Path, size: float, *, pictures: bool = True) -> Repor
         found = chosen.measure(size, Watch(bar.show))
         took = time.perf_counter() - begun
     report = Report(name, chosen.title, found, (), took, size)
-    console = Console()
-    if not console.is_terminal:
-        console = Console(width=160)
+    console = verb.console()
     _print(report, console)  # first of all: a disk may be full
     if pictures:
         report = replace(report, pictures=chosen.draw(found, folder))

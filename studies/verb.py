@@ -4,6 +4,8 @@ import argparse
 from collections.abc import Callable, Collection
 from pathlib import Path
 
+from rich.console import Console
+
 from plant.errors import MsmaError
 
 
@@ -51,3 +53,9 @@ def prepare(
     except OSError as failed:
         raise error(f"--out {args.out}: {failed.strerror or failed}") from failed
     return names
+
+
+def console() -> Console:
+    """Return what to print tables on: as wide as the terminal, or wide where there is none."""
+    there = Console()
+    return there if there.is_terminal else Console(width=160)
