@@ -39,10 +39,6 @@ class Goal(NamedTuple):
         """How fast the goal moves at plant time `t` [s]: (..., 3) [m/s]."""
         return self.velocity if self.since <= t < self.until else np.zeros_like(self.velocity)
 
-    def ahead(self, t: float, horizon: float) -> Array:
-        """Where the goal would be `horizon` [s] after `t` if it went on as it does at `t`."""
-        return self.at(t) + self.velocity_at(t) * horizon
-
 
 class Joints(NamedTuple):
     """The blackboard of the paper: what the encoders say, (..., n) rad and rad/s, NaN if lost."""

@@ -22,8 +22,8 @@ def test_a_goal_stands_still_before_its_piece_and_after():
 
 def test_ahead_goes_on_as_the_goal_does_now():
     goal = Goal(np.zeros(3), np.array([1.0, 0.0, 0.0]), 0.0, 5.0)
-    np.testing.assert_allclose(goal.ahead(4.9, 0.5), [5.4, 0, 0])
-    np.testing.assert_allclose(goal.ahead(5.0, 0.5), [5, 0, 0])
+    np.testing.assert_allclose(goal.at(4.9) + goal.velocity_at(4.9) * 0.5, [5.4, 0, 0])
+    np.testing.assert_allclose(goal.at(5.0) + goal.velocity_at(5.0) * 0.5, [5, 0, 0])
 
 
 def test_a_line_ends_where_the_table_of_the_paper_says():
