@@ -15,6 +15,7 @@ from bench.echo.deciding import thought_of
 from bench.echo.load import AGENTS, ROLES, Part, arguments
 from bench.echo.side import Measured
 from bench.echo.side import run as run_side
+from bench.neighbours import busy_cores
 from bench.ours import ARPH, deployed, run_ours
 from bench.places import free_port
 from bench.turns import Ratio, in_turn, ratio
@@ -26,6 +27,8 @@ ROUNDS = 3
 LIMITED = (500, 1000)
 """Rates [Hz] at which the limit is measured too: those of the bars on time and processors."""
 OURS, PLAIN, LIMIT = "msma", "plain Zenoh", "plain Zenoh that also decides"
+AMID, AMID_RATE = "msma, other programs on all cores", 500
+"""Ours again at that rate [Hz], beside as many programs as there are cores, none of which rests."""
 _THOUGHTS = 500  # in a row
 MOST_OFF = 0.006
 """Off the goal in a run that counts as done [m]: at 60 ms, twice what the paper says."""
@@ -46,7 +49,8 @@ class LoopBench(Bench):
     def measure(self, size: float, watch: Watch) -> Result:
         """Measure all sides in turn at each rate."""
         rounds = max(round(self._rounds * min(4 * size, 1)), 1)
-        watch.expect(rounds * sum(2 + (rate in LIMITED) for rate in self._rates))
+        sides_at = {rate: 2 + (rate in LIMITED) + (rate == AMID_RATE) for rate in self._rates}
+        watch.expect(rounds * sum(sides_at.values()))
         checks: list[Check] = []
         found: dict[int, Runs] = {}
         for rate, full in self._rates.items():
@@ -73,7 +77,15 @@ class LoopBench(Bench):
                 watch.at(f"{rate} Hz, {LIMIT}")
                 return run_plain(rate, seconds, decides=True)
 
-            sides = {OURS: ours, PLAIN: plain} | ({LIMIT: limit} if rate in LIMITED else {})
+            def amid(ours: Callable[[], Measured] = ours) -> Measured:
+                with busy_cores():
+                    return ours()
+
+            sides: dict[str, Callable[[], Measured]] = {OURS: ours, PLAIN: plain}
+            if rate in LIMITED:
+                sides[LIMIT] = limit
+            if rate == AMID_RATE:
+                sides[AMID] = amid
             found[rate] = in_turn(sides, rounds)
             checks += _checks(rate, found[rate], max(off))
         return Result(
@@ -265,6 +277,8 @@ NOTES = (
     "and logs nothing. So it is what is to be had for as many processes with these laws; ours "
     "read, check and log too, but decide in the thread that receives, which an echo does not. What "
     "it takes more of a processor per tick than the plain echo is one thought among all.",
+    "All processes of all sides ask to be scheduled in real time, as ours do in a launch. Where "
+    "that is not granted, programs on all cores hold a robot up.",
     "A tick counts as answered in time when the commands of all seven have arrived within its "
     "period at the process that told it, by that process's clock. Ticks that it was too late to "
     "tell count as not answered.",

@@ -18,6 +18,7 @@ from collections.abc import Sequence
 from importlib import import_module
 
 from runtime.launching.starting import import_all
+from runtime.processes.scheduling import go_first
 
 BORN = "born"
 """The event that is printed first, with the `pids`."""
@@ -47,6 +48,7 @@ def _copy(command: Sequence[str], *, first: bool) -> int:
         os.dup2(nothing, 0)
         if not first:
             os.dup2(nothing, 1)
+        go_first()  # all sides alike
         sys.argv = list(command)
         code = import_module(command[0]).main() or 0
     except BaseException:

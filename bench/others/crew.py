@@ -19,6 +19,7 @@ from bench.echo.side import SPARE, Measured, await_event
 from bench.others.watching import ARRIVALS, PLACE, read_arrivals
 from bench.ticks import DONE, GO, PATIENCE, SETTLE
 from bench.usage import Meter
+from runtime.processes.scheduling import go_first
 
 RUN = Path(__file__).with_name("run.py")
 _PORTS = (20_000, 32_000)
@@ -110,6 +111,7 @@ class Crew:
                 cwd=self.place,
                 env=self.env,
                 start_new_session=True,  # so that it leads a group, and a Ctrl-C is not for it
+                preexec_fn=go_first,  # as our processes do
             )
 
     def _pids_of_roles(self) -> list[tuple[str, int]]:

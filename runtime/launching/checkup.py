@@ -6,11 +6,13 @@ import socket
 import sys
 import time
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from enum import Enum
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import NamedTuple
 
+from runtime.processes.scheduling import go_first
 from runtime.wire.mesh import LOOPBACK
 
 _LIBRARIES = {"eclipse-zenoh": (1, 10), "msgpack": (1,), "numpy": (1, 26), "pyyaml": (6,)}
@@ -44,6 +46,7 @@ def machine(runs: Path) -> Iterator[Finding]:
     yield _files()
     yield _loopback()
     yield _load()
+    yield _scheduling()
     yield _folder(runs)
 
 
@@ -107,6 +110,15 @@ def _load() -> Finding:
     if cores < 2:
         return Finding(Grade.WARN, "processors", f"{what}: loops of 1 kHz need two")
     return Finding(Grade.OK, "processors", what)
+
+
+def _scheduling() -> Finding:
+    with ThreadPoolExecutor(1) as threads:  # what is granted is for one thread
+        granted = threads.submit(go_first).result()
+    if granted:
+        return Finding(Grade.OK, "scheduling", "a robot's processes go before other programs")
+    detail = "as any program; a line `USER - rtprio 1` in /etc/security/limits.conf lets a robot"
+    return Finding(Grade.OK, "scheduling", f"{detail} go before others")
 
 
 def _folder(runs: Path) -> Finding:

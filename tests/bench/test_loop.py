@@ -1,5 +1,6 @@
 """A short run of the loop bench: both sides answer, and are weighed."""
 
+import os
 from pathlib import Path
 
 import pytest
@@ -21,8 +22,19 @@ from bench.echo.load import (
     tick_of,
 )
 from bench.echo.side import Measured, run
-from bench.loop import LIMIT, OURS, PLAIN, LoopBench, bars, run_plain, thoughts
-from bench.usage import Usage
+from bench.loop import (
+    AMID,
+    AMID_RATE,
+    LIMIT,
+    OURS,
+    PLAIN,
+    LoopBench,
+    bars,
+    run_plain,
+    thoughts,
+)
+from bench.neighbours import busy_cores
+from bench.usage import Usage, cpu_seconds, lives
 from runtime.wire import keys
 from runtime.wire.messages import (
     GoalMessage,
@@ -35,6 +47,7 @@ from runtime.wire.messages import (
     pack,
 )
 from studies.study import Watch
+from tests.runtime.conftest import wait_for
 
 BY, N, T = 1 << 62, 1000, 1.234
 
@@ -87,6 +100,27 @@ def test_what_also_decides_answers_every_agent_too() -> None:
     told = run_plain(50, 0.5, decides=True).ticks
     assert told["ticks"] + told["missed"] == 25
     assert all(told["heard"].values()), told
+
+
+def test_our_robot_is_measured_beside_programs_on_all_cores_too() -> None:
+    result = LoopBench({AMID_RATE: 1.0}, rounds=1).measure(1.0, Watch())
+    assert result.sound, result.checks
+    assert set(result.data[str(AMID_RATE)]) == {OURS, PLAIN, LIMIT, AMID}
+
+
+def children() -> list[int]:
+    """Return the ids of the processes that this one has started and that are still there."""
+    tasks = Path("/proc/self/task").glob("*/children")
+    return [int(pid) for task in tasks for pid in task.read_text().split()]
+
+
+def test_programs_keep_all_cores_busy_and_end() -> None:
+    before = set(children())
+    with busy_cores():
+        started = set(children()) - before
+        assert len(started) == os.cpu_count()
+        wait_for(lambda: all(cpu_seconds(pid) > 0.1 for pid in started), "all to compute")
+    assert not any(lives(pid) for pid in started)
 
 
 def measured(in_time: int, p99: float, cpu: float) -> Measured:
