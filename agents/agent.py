@@ -97,6 +97,10 @@ class Agent(ABC):
     sees: frozenset[str] = frozenset(("hand", "joints", "base", "goal"))
     """Which percepts it has a use for: the others need not come to its process."""
 
+    glance: float = 0.0
+    """How soon after a sight of the hand the next one is of use [s]: it may change as it decides,
+    and in between there need be no hand among its percepts as long as there are joints."""
+
     rest: float = 0.0
     """How soon after a decision the next one is of use [s]: where processors are too busy for it to
     answer all that it sees, it leaves them to the others until then."""

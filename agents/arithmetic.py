@@ -117,6 +117,11 @@ def where(condition: Mask, yes: Array | float, no: Array | float) -> Array:
     return yes if condition else no
 
 
+def anywhere(condition: Mask | Array) -> bool:
+    """Tell whether a condition holds, or a value is not 0, for any robot."""
+    return bool(condition.any() if isinstance(condition, _MANY) else condition)
+
+
 def ramp(value: Array, lower: float, upper: float) -> Array:
     """Return 0 up to the lower bound, 1 from the upper one on, evenly between: (...)."""
     return lesser(greater((value - lower) / (upper - lower), 0.0), 1.0)

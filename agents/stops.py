@@ -5,7 +5,7 @@ from typing import cast
 import numpy as np
 
 from agents.agent import Array
-from agents.arithmetic import greater, lesser, where
+from agents.arithmetic import anywhere, greater, lesser, where
 
 
 class Stops:
@@ -42,6 +42,9 @@ class Stops:
         size = abs(best)
         beyond = size - room  # [rad] of the best turn that its stop keeps it from
         pressing = (beyond > self.IN_VAIN) & (room < self.AT)
+        if not anywhere(pressing) and not anywhere(self._way):  # as nearly always
+            self._since = cast("Array", np.inf)
+            return best
         self._since = where(pressing, lesser(self._since, t), np.inf)
         vain = greater(t - self._since - self.NOTICE, 0.0)
         there = greater(2 * np.pi - size - (self._upper - self._lower), 0.0)

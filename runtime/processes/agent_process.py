@@ -48,6 +48,7 @@ class AgentLoop(Loop):
         self._shape = (2,) if self._joint is None else ()
         fresh = freshness(deployment.period, deployment.speed)
         self._senses = Senses(deployment.description.robot, fresh, process.refusals)
+        self._speed = deployment.speed
         self._backlog = Backlog(deployment.period, deployment.speed)
         self._late = 1.5 * deployment.period
         self._most_behind = max(_BEHIND, round(_FOR * deployment.speed / deployment.period))
@@ -124,6 +125,7 @@ class AgentLoop(Loop):
         self.state = "waits for a goal" if idle else "runs"
         try:
             decided: object = self._agent.decide(percepts)
+            self._senses.glance = self._agent.glance / self._speed
             if decided is None:
                 return
             wanted = decided if type(decided) is float else np.asarray(decided, dtype=np.float64)

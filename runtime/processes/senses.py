@@ -1,5 +1,6 @@
 """What an agent perceives: messages in, percepts out. Pure but for the clock it is handed."""
 
+import math
 from collections import deque
 from typing import TypeVar
 
@@ -29,6 +30,8 @@ class Senses:
     robot: whose joints the joint states must be of
     fresh: how long what arrived is worth perceiving [s]
     t: the moment that the plant told of last [s]
+    glance: how long after a look at the hand the next one is of use [s]: what is told of it in
+        between is left aside, as long as there are joint states
     """
 
     def __init__(self, robot: Robot, fresh: float, refusals: Refusals) -> None:
@@ -48,7 +51,8 @@ class Senses:
         self._bases: deque[PlatformPose] = deque(maxlen=_KEPT)
         self._refusals = refusals
         self._goal_known: tuple[GoalMessage, Goal] | None = None
-        self.t = 0.0
+        self.t = self.glance = 0.0
+        self._hand_seen, self._looked = -math.inf, True
 
     def take(self, arrival: Arrival, now: float) -> bool:
         """Take what arrived `now` [s]; tell whether it calls for a decision.
@@ -60,8 +64,12 @@ class Senses:
             case keys.JOINTS:
                 return self._keep(self._joints.take(arrival.data, now), self._states)
             case keys.HAND:
-                seen = self._keep(self._hand.take(arrival.data, now), self._hands)
-                return seen and self._joints.fresh(now) is None
+                blind = self._joints.fresh(now) is None
+                self._looked = blind or now - self._hand_seen >= self.glance
+                if not self._looked:
+                    return False
+                self._hand_seen = now
+                return self._keep(self._hand.take(arrival.data, now), self._hands) and blind
             case keys.PLATFORM:
                 self._keep(self._base.take(arrival.data, now), self._bases)
             case keys.GOAL | keys.KNOWN_GOAL:
@@ -79,21 +87,23 @@ class Senses:
 
     def percepts(self, now: float) -> Percepts | None:
         """Return what is fresh `now` [s], and the goal, which never goes stale; None if blind."""
-        hand, states = self._hand.fresh(now), self._joints.fresh(now)
-        base = self._base.fresh(now)
+        hand = self._hand.fresh(now) if self._looked else None
+        states, base = self._joints.fresh(now), self._base.fresh(now)
         if hand is None and states is None:
             return None
-        moment = min([seen.t for seen in (hand, states, base) if seen is not None])
-        hand = hand and _of(moment, hand, self._hands)
-        states = states and _of(moment, states, self._states)
-        base = base and _of(moment, base, self._bases)
-        t = max([seen.t for seen in (hand, states, base) if seen is not None])
+        moments = [seen.t for seen in (hand, states, base) if seen is not None]
+        t, moment = max(moments), min(moments)
+        if t != moment:
+            hand = hand and _of(moment, hand, self._hands)
+            states = states and _of(moment, states, self._states)
+            base = base and _of(moment, base, self._bases)
+            t = max([seen.t for seen in (hand, states, base) if seen is not None])
         return Percepts(
             t,
-            hand=np.array(hand.position) if hand else None,
-            joints=Joints(np.array(states.position), np.array(states.velocity)) if states else None,
-            base=np.array((base.x, base.y, base.heading)) if base else None,
-            goal=self._goal_in_force(now),
+            np.array(hand.position) if hand else None,
+            Joints(np.array(states.position), np.array(states.velocity)) if states else None,
+            np.array((base.x, base.y, base.heading)) if base else None,
+            self._goal_in_force(now),
         )
 
     def _goal_in_force(self, now: float) -> Goal | None:

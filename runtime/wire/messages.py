@@ -182,6 +182,15 @@ FIELDS: Mapping[type[Any], tuple[Field, ...]] = {
     ),
 }
 """What each kind of message holds, in the order of its class."""
+_WRITING = {
+    kind: (
+        [field.name for field in fields],
+        [(field.name, field.write) for field in fields if field.write is not None],
+    )
+    for kind, fields in FIELDS.items()
+}
+"""The names of its fields, and those that msgpack does not write as they are, with what does."""
+_READING = {kind: [(field.read, field.name) for field in fields] for kind, fields in FIELDS.items()}
 
 
 def stamp(message: M, by: int, n: int) -> M:
@@ -191,10 +200,10 @@ def stamp(message: M, by: int, n: int) -> M:
 
 def pack(message: Message) -> bytes:
     """Return the message as it travels."""
-    wire = {
-        field.name: value if field.write is None else field.write(value)
-        for field, value in zip(FIELDS[type(message)], message, strict=True)
-    }
+    names, written = _WRITING[type(message)]
+    wire = dict(zip(names, message, strict=True))
+    for name, write in written:
+        wire[name] = write(wire[name])
     packed: bytes = msgpack.packb(wire)
     return packed
 
@@ -218,7 +227,7 @@ def unpack(kind: type[M], data: bytes) -> M:
     if type(wire) is not dict:
         raise MessageError(Reason.NOT_A_MAP, f"it is {type(wire).__name__}")
     try:
-        message = kind(*[read(wire[name], name) for name, read, _ in FIELDS[kind]])
+        message = tuple.__new__(kind, [read(wire[name], name) for read, name in _READING[kind]])
     except KeyError as error:
         raise MessageError(Reason.MISSING, f"there is no {error}") from None
     if isinstance(message, JointStates) and len(message.position) != len(message.velocity):

@@ -153,3 +153,25 @@ def test_of_another_process_no_older_word_is_taken(agent: Agent) -> None:
     percepts = agent.sees(10.06)
     assert percepts.base is not None
     assert percepts.base[0] == 2.0
+
+
+def test_of_the_hand_a_glance_now_and_then_is_enough_if_the_agent_says_so(agent: Agent) -> None:
+    agent.senses.glance = 0.05
+    seen = []
+    for tick in range(6):
+        t, at = 0.02 * tick, 10 + 0.02 * tick
+        agent.hears(POSE._replace(t=t), at)
+        assert agent.hears(STATES._replace(t=t), at)
+        percepts = agent.sees(at)
+        assert percepts.t == t, "a hand that was left aside holds nothing back"
+        seen.append(percepts.hand is not None)
+    assert seen == [True, False, False, True, False, False]
+    assert agent.refusals.table() == {}
+
+
+def test_without_joint_states_every_sight_of_the_hand_counts(agent: Agent) -> None:
+    agent.senses.glance = 1.0
+    for tick in range(3):
+        at = 10 + 0.02 * tick
+        assert agent.hears(POSE._replace(t=0.02 * tick), at)
+        assert agent.sees(at).hand is not None
