@@ -23,6 +23,7 @@ from runtime.processes.journal import Journal, new_run_folder
 from runtime.processes.life import Life
 from runtime.processes.meters import Durations, Rate
 from runtime.processes.places import join, run_of_others
+from runtime.processes.scheduling import go_first
 from runtime.wire import keys
 from runtime.wire.bus import BusError
 from runtime.wire.fields import Spread
@@ -93,6 +94,7 @@ class Process:
         with ExitStack() as stack:
             if deployment.credentials(self.role):
                 self._strangers = stack.enter_context(Strangers(self.refusals, self._note_joined))
+            go_first()  # before the bus, whose threads are scheduled as this one is
             self.bus = stack.enter_context(join(deployment, member, secrets.randbits(63)))
             found = run or run_of_others(self.bus)
             self.run = (found or new_run_folder(deployment.runs, deployment.robot)).absolute()

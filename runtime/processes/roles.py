@@ -10,7 +10,6 @@ from pathlib import Path
 from plant.errors import MsmaError
 from runtime.config.deployment import Deployment, Member
 from runtime.processes.process import Loop, Process
-from runtime.processes.scheduling import go_first
 from runtime.wire import keys
 
 
@@ -23,7 +22,6 @@ def live(deployment: Deployment, member: Member, file: Path, run: Path | None = 
     """
     if member.copy and member.role == keys.PLANT:
         raise MsmaError("the plant is the robot: there can be no copy of it")
-    go_first()  # before the bus, whose threads are scheduled as this one is
     with Process(deployment, member, file, run) as process:
         loop = _loop(process)
         place = f"{member.role} of {deployment.robot}"
