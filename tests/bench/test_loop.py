@@ -30,7 +30,6 @@ from bench.loop import (
     PLAIN,
     LoopBench,
     bars,
-    run_plain,
     thoughts,
 )
 from bench.neighbours import busy_cores
@@ -81,31 +80,21 @@ def test_a_part_is_told_by_the_command_line() -> None:
     assert ROLES[0] == "plant"
 
 
-def test_both_sides_answer_and_are_weighed(tmp_path: Path) -> None:
-    bench = LoopBench({50: 1.0}, rounds=1)
+def test_all_sides_answer_and_are_weighed(tmp_path: Path) -> None:
+    bench = LoopBench({AMID_RATE: 1.0}, rounds=1)
     result = bench.measure(1.0, Watch())
     assert result.sound, result.checks
-    for side in (OURS, PLAIN):
-        (found,) = result.data["50"][side]
-        assert found["ticks"]["ticks"] + found["ticks"]["missed"] == 50
+    sides = result.data[str(AMID_RATE)]
+    assert set(sides) == {OURS, PLAIN, LIMIT, AMID}
+    for (found,) in sides.values():
+        assert found["ticks"]["ticks"] + found["ticks"]["missed"] == AMID_RATE
+        assert all(found["ticks"]["heard"].values())
         assert set(found["usage"]) == set(ROLES)
         assert all(usage["pss"] > 1e6 for usage in found["usage"].values())
-    times, costs = result.tables
-    assert len(times.rows) == len(costs.rows) == 2
+    times, costs, _ = result.tables
+    assert len(times.rows) == len(costs.rows) == 4
     (picture,) = bench.draw(result, tmp_path)
     assert picture.stat().st_size > 5000
-
-
-def test_what_also_decides_answers_every_agent_too() -> None:
-    told = run_plain(50, 0.5, decides=True).ticks
-    assert told["ticks"] + told["missed"] == 25
-    assert all(told["heard"].values()), told
-
-
-def test_our_robot_is_measured_beside_programs_on_all_cores_too() -> None:
-    result = LoopBench({AMID_RATE: 1.0}, rounds=1).measure(1.0, Watch())
-    assert result.sound, result.checks
-    assert set(result.data[str(AMID_RATE)]) == {OURS, PLAIN, LIMIT, AMID}
 
 
 def children() -> list[int]:
