@@ -5,7 +5,7 @@ from typing import Annotated, Literal, cast
 import numpy as np
 
 from agents.agent import REST, Agent, AgentError, Array, Body, Joints, Percepts
-from agents.arithmetic import plain, within
+from agents.arithmetic import anywhere, plain, within
 from agents.by_eye import LineByEye
 from agents.carried import CarriedLineByModel
 from agents.even import EvenLineByModel
@@ -129,7 +129,7 @@ class HoldAgent(Agent):
             self.perception = "none"
             return None
         seen = plain(percepts.joints.position[..., self._joint])
-        if np.any(seen != seen):  # not a number
+        if anywhere(seen != seen):  # not a number
             self.perception = "none"
             return None
         self.perception = "blackboard"

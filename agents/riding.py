@@ -1,9 +1,8 @@
 """How a platform drives for a hand that rides on it: an arm of which but one joint moves."""
 
-import numpy as np
-
 from agents.agent import Array, Joints
 from agents.arithmetic import (
+    anywhere,
     arcsin,
     arctan2,
     cos,
@@ -82,7 +81,7 @@ class Riding:
         """
         ridden = scene.led_on * (1 - ramp(scene.carried, *self.BESIDE))
         self._unseen += elapsed
-        if not np.any(ridden):
+        if not anywhere(ridden):
             self._lifting, self._rides = None, False
             return speeds
         if self._unseen < self.GLANCES and not self._rides:
@@ -91,7 +90,7 @@ class Riding:
             self._lifting, self._unseen = Lifting(), elapsed
         lift = self._lifting.watch(self._unseen, view, joints, scene)
         ridden = ridden * ramp(lift.alone, *self.ALONE) * view.modelled
-        self._rides, self._unseen = bool(np.any(ridden)), 0.0
+        self._rides, self._unseen = anywhere(ridden), 0.0
         if not self._rides:  # as while several joints move; the rest takes long to work out
             return speeds
         linear, angular = self._speeds(elapsed, scene, lift)

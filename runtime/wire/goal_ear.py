@@ -33,5 +33,8 @@ class GoalEar:
         led = self._led.obeyed(now)
         if led is not None and now - led.arrived <= self._fresh:
             return led.message
-        left = [heard.message for heard in (led, self._known.obeyed(now)) if heard is not None]
-        return max(left, key=lambda goal: goal.t, default=None)
+        known = self._known.obeyed(now)
+        if led is None or known is None:
+            left = led or known
+            return left and left.message
+        return max(led.message, known.message, key=lambda goal: goal.t)

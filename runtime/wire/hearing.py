@@ -80,12 +80,14 @@ class Hearing(Generic[M]):
 
         If nobody is fresh it is whatever was heard last: see how long ago it arrived.
         """
+        if not self._voices:
+            return None
         newcomer: Heard[M] | None = None
         for voice in reversed(self._voices.values()):
             if now - voice.heard.arrived <= self.fresh:
                 if voice.confirmed:
                     return voice.heard
                 newcomer = newcomer or voice.heard
-        if newcomer or not self._voices:
+        if newcomer:
             return newcomer
         return self._voices[max(self._voices, key=self._arrived)].heard
