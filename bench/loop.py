@@ -1,7 +1,7 @@
 """The loop from state to command through real processes, beside plain Zenoh that only echoes.
 
-Where a bar is a matter of processors' time, beside an echo that also decides: what is to be had on
-the machine for as many processes in Python with these laws.
+Where a bar is a matter of processors' time, beside an echo that also reads and decides: what is to
+be had on the machine for as many processes in Python with these laws and messages.
 """
 
 import time
@@ -26,7 +26,7 @@ RATES = {17: 5.0, 100: 4.0, 500: 8.0, 1000: 6.0, 2000: 3.0}
 ROUNDS = 3
 LIMITED = (500, 1000)
 """Rates [Hz] at which the limit is measured too: those of the bars on time and processors."""
-OURS, PLAIN, LIMIT = "msma", "plain Zenoh", "plain Zenoh that also decides"
+OURS, PLAIN, LIMIT = "msma", "plain Zenoh", "plain Zenoh that reads and decides"
 AMID, AMID_RATE = "msma, other programs on all cores", 500
 """Ours again at that rate [Hz], beside as many programs as there are cores, none of which rests."""
 _THOUGHTS = 500  # in a row
@@ -239,7 +239,7 @@ def _costs(found: Mapping[int, Runs]) -> Table:
 
 
 def thoughts(found: Mapping[int, Runs]) -> list[Table]:
-    """Return what the same thought takes alone, and once a tick among all the others."""
+    """Return what reading, deciding and telling take alone, and once a tick among all others."""
     rates = [rate for rate in found if rate in LIMITED]
     rows = []
     for role in (ROLES[0], *AGENTS) if rates else ():
@@ -272,11 +272,13 @@ NOTES = (
     "are of all their ticks, ratios are of the two sides in the same round (least to most).",
     "Plain Zenoh has the same sessions, keys, sizes and number of processes; its agents send the "
     "number of the tick back and do nothing else.",
-    "Plain Zenoh that also decides does in each agent what our agent's law does for one decision, "
-    "on percepts that were recorded, and a step of the simulation in the plant; it reads, checks "
-    "and logs nothing. So it is what is to be had for as many processes with these laws; ours "
-    "read, check and log too, but decide in the thread that receives, which an echo does not. What "
-    "it takes more of a processor per tick than the plain echo is one thought among all.",
+    "Plain Zenoh that reads and decides does in each agent what our agent's law does for one "
+    "decision, on percepts that were recorded, and a step of the simulation in the plant, and each "
+    "reads and writes the messages of the wire contract that this takes at the least. So it is "
+    "what is to be had for as many processes with these laws and messages. Ours hold each message "
+    "against who else speaks in that role, put percepts together and log, too; but decide in the "
+    "thread that receives, which an echo does not. What it takes more of a processor per tick than "
+    "the plain echo is one thought among all.",
     "All processes of all sides ask to be scheduled in real time, as ours do in a launch. Where "
     "that is not granted, programs on all cores hold a robot up.",
     "A tick counts as answered in time when the commands of all seven have arrived within its "

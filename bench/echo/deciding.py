@@ -1,31 +1,97 @@
 """One process of the plain echo that does our thinking as well: what a loop in Python can reach.
 
-A plant that simulates and agents that decide, with nothing around it: no message is read or
-checked, no percept is put together, nothing is logged. What they think about was recorded.
+A plant that simulates and agents that decide; each reads what it goes by, and writes what it tells,
+as the wire contract has it. There is nothing around that: nobody is held against who else speaks in
+that role, no percept is put together, nothing is logged. What they read and think about was
+recorded.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from itertools import cycle
 
-from bench.echo.load import GOAL, part_of
+from agents.agent import Agent, Array, Percepts
+from bench.echo.load import AGENTS, GOAL, part_of
 from bench.echo.plain_zenoh import be, nothing
-from bench.thinking import arm_run
+from bench.thinking import ArmRun, arm_run
 from runtime.wire.keys import PLANT
+from runtime.wire.messages import (
+    HandPose,
+    JointCommand,
+    JointStates,
+    Message,
+    PlatformCommand,
+    PlatformPose,
+    pack,
+    unpack,
+)
 
 _RECORDED = 200  # ticks
+_UPRIGHT = (0.0, 0.0, 0.0, 1.0)
 
 
 def thought_of(role: str, period: float) -> Callable[[], object]:
-    """Return what the process of a role thinks each tick of `period` [s], once per call."""
+    """Return what the process of a role reads, thinks and writes each tick of `period` [s]."""
     if role == GOAL:
         return nothing
     run = arm_run(_RECORDED, period)
-    if role == PLANT:
-        commands = run.commands
-        return lambda: run.plant.step(commands)
-    agent = run.agents[role]
-    seen = cycle(run.seen)
-    return lambda: agent.decide(next(seen))
+    return _plant_of(run) if role == PLANT else _agent_of(run.agents[role], run.seen)
+
+
+def _plant_of(run: ArmRun) -> Callable[[], object]:
+    commands = [_command(0.0, velocity) for velocity in (*run.commands.joints, run.commands.base)]
+    answers = [(type(command), pack(command)) for command in commands]
+    base, hand, joints = _states(run.seen[-1])
+
+    def think() -> None:
+        for kind, data in answers:
+            unpack(kind, data)
+        run.plant.step(run.commands)
+        for told in (base, hand, joints):
+            pack(told)
+
+    assert len(answers) == len(AGENTS)
+    return think
+
+
+def _agent_of(agent: Agent, seen: Sequence[Percepts]) -> Callable[[], object]:
+    """Read as little as an agent may: of the hand a glance now and then is enough for it."""
+
+    def packed(percepts: Percepts) -> list[tuple[type[Message], bytes]]:
+        base, _, joints = _states(percepts)
+        told = (base, joints) if "base" in agent.sees else (joints,)
+        return [(type(message), pack(message)) for message in told]
+
+    ticks = cycle([(percepts, packed(percepts)) for percepts in seen])
+
+    def think() -> None:
+        percepts, told = next(ticks)
+        for kind, data in told:
+            unpack(kind, data)
+        decided = agent.decide(percepts)
+        assert decided is not None
+        pack(_command(percepts.t, decided))
+
+    return think
+
+
+def _states(percepts: Percepts) -> tuple[Message, ...]:
+    """Return what a plant tells of what is perceived."""
+    t, hand, joints, base, _ = percepts
+    assert hand is not None
+    assert joints is not None
+    assert base is not None
+    return (
+        PlatformPose(t, *base.tolist()),
+        HandPose(t, tuple(hand.tolist()), _UPRIGHT),
+        JointStates(t, tuple(joints.position.tolist()), tuple(joints.velocity.tolist())),
+    )
+
+
+def _command(t: float, wanted: Array | float) -> Message:
+    """Return what an agent tells that wants a joint's velocity [rad/s], or a platform's two."""
+    if isinstance(wanted, float):
+        return JointCommand(t, wanted)
+    return PlatformCommand(t, float(wanted[0]), float(wanted[1]))
 
 
 def main() -> None:
