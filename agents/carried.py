@@ -1,5 +1,6 @@
 """Line minimisation in an arm that is carried by a platform."""
 
+from agents.adaptation import SteadierGain
 from agents.agent import Array
 from agents.arithmetic import arctan2, greater, lesser, mixed, parts, ramp, sqrt, within
 from agents.laws import LineByModel
@@ -20,6 +21,7 @@ class CarriedLineByModel(LineByModel):
     thing before reaching for it.
     """
 
+    GAIN = SteadierGain
     NEAR = 0.2242  # [m] off on the level from which a goal is the platform's affair rather than its
     SLIDES = 0.5  # of the square of how far it slides the hand, that counts against lifting it
     CLOSE = 0.03, 0.1  # [m] of hand and goal: height first up to there, the whole distance beyond

@@ -51,6 +51,7 @@ class LineByModel(Law):
     nothing; it is the encoder that remembers, so what does not turn does not wind up.
     """
 
+    GAIN: type[EagerGain] = EagerGain
     MOST = 0.85  # share of the best turn above which even a lone agent gains nothing
 
     def __init__(
@@ -63,7 +64,7 @@ class LineByModel(Law):
         self._horizon = horizon
         self._memory = memory
         self._elapsed = Elapsed(body.period, horizon)
-        self._gain = EagerGain(gain, max(gain, self.MOST))
+        self._gain = self.GAIN(gain, max(gain, self.MOST))
         self._bend = Bend(bend)
         self._seen = SeenVelocity()
 

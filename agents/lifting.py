@@ -105,7 +105,7 @@ class Lifting:
     whether the others are locked, dead or done.
     """
 
-    NOTICES = 0.7433  # [s] over which it watches
+    NOTICES = 0.4  # [s] over which it watches
     STILL = 1e-3  # [m/s] of the hand that is no motion
 
     def __init__(self) -> None:

@@ -4,7 +4,7 @@ from typing import Annotated
 
 import numpy as np
 
-from agents.adaptation import EagerGain, Elapsed, SeenVelocity
+from agents.adaptation import Elapsed, SeenVelocity, SteadierGain
 from agents.agent import REST, Agent, AgentError, Array, Body, Goal, Percepts
 from agents.arithmetic import (
     Mask,
@@ -97,8 +97,8 @@ class PlatformAgent(Agent):
         self.sees = self._sight.sees | {"base", "goal"}
         self._horizon = max(horizon, 1.5 * body.period)
         self.rest = REST * self._horizon
-        self._advance_gain = EagerGain(gain, max(gain, 0.85))
-        self._turn_gain = EagerGain(gain, max(gain, 0.85))
+        self._advance_gain = SteadierGain(gain, max(gain, 0.85))
+        self._turn_gain = SteadierGain(gain, max(gain, 0.85))
         root, length = _root_and_length(body)
         self._root = root.tolist()
         self._reach, self._length = reach * length, length
@@ -151,7 +151,7 @@ class PlatformAgent(Agent):
         linear = linear + greater(lesser(faster, ease_linear), -braking)
         turning = within(eased_angular - scene.angular, ease_angular)
         # a hand carried at its side goes on with the goal: it drives as much more as it turns
-        led = (1 - scene.in_front) * scene.led_on * (1 - towing)
+        led = lesser(ABREAST * (1 - scene.in_front), 1.0) * scene.led_on * (1 - towing)
         linear = linear + led * scene.aside * turning
         return lesser(greater(linear, 0.0), top), angular + turning
 
@@ -263,7 +263,8 @@ LEAST_ASIDE = 0.01  # [m] of a hand at its side, so that nothing is infinite
 STRETCHED = 0.78, 0.88  # of the arm's length, that the hand is from its root: no haste, all of it
 HASTE = 4.0  # times as briskly again does it drive on with a goal that is stretching the arm
 BRAKES = 8.556  # times as briskly again does it slow down for a goal that stands still
-BRISK = 14.0  # times as briskly does it line up where turning does not serve the hand
+ABREAST = 1.2  # shares of a hand not carried in front, that it drives on with in full
+BRISK = 11.0  # times as briskly does it line up where turning does not serve the hand
 
 
 def _velocity(seen: SeenVelocity, t: float, place: Array) -> Array:

@@ -44,7 +44,7 @@ class Riding:
     """
 
     BESIDE = 0.25, 0.4188  # [m] of the hand ahead of the axle: ridden up to there, served beyond
-    ALONE = 0.95, 0.9885  # share of the hand's motion that is one joint's: not ridden, ridden
+    ALONE = 0.98, 0.996  # share of the hand's motion that is one joint's: not ridden, ridden
     GLANCES = 0.01  # [s] that pass between two looks at the joints while no hand rides
     BRISK = 3.074  # [rad/s2] with which turning changes
     LEADS = 0.03825, 0.1474  # [m] of the hand ahead of the axle: carted up to there, led from there
