@@ -55,9 +55,22 @@ def test_it_turns_to_the_side_on_which_the_hand_is_missing_as_one_who_tows():
     assert right == pytest.approx(-left)
 
 
-@pytest.mark.parametrize("angle", [-170, 160])
-def test_a_hand_that_jams_behind_the_axle_in_mid_path_comes_back_to_it(angle):
-    jam = Event(8.0, Fault.parse(f"joint/1:locked={angle}deg", ARPH))
+def test_it_drives_the_more_firmly_the_longer_it_stays_behind_its_place():
+    towing, behind = Towing(TOP), scene(carried=-0.5, missing=(0.02, 0.0))
+    gained = [towing.speeds(0.06, behind)[0] - behind.linear for _ in range(20)]
+    assert gained[-1] == pytest.approx(Towing.KEENEST * gained[0])
+    assert np.diff(gained).min() >= 0
+
+
+def test_it_slows_down_when_the_arm_alone_keeps_the_hand_with_the_goal():
+    hurries = scene(carried=-0.5)._replace(linear=0.2)
+    linear, _ = Towing(TOP).speeds(0.06, hurries)
+    assert 0.07 < linear < 0.2
+
+
+@pytest.mark.parametrize(("angle", "at"), [(-170, 8.0), (160, 8.0), (-160, 12.0), (155, 12.0)])
+def test_a_hand_that_jams_behind_the_axle_in_mid_path_comes_back_to_it(angle, at):
+    jam = Event(at, Fault.parse(f"joint/1:locked={angle}deg", ARPH))
     trace = run(plant(), msma(), task().piece, DURATION, events=[jam])
     assert trace.error[-1] < 0.003
     assert (trace.base_velocity[:, 0] >= 0).all()
