@@ -13,7 +13,8 @@ class Stops:
 
     Pressed against a stop, a joint serves the hand no more, though it may well do so from the
     other side of its range: its best turn is a place on a circle, and there are two ways to it.
-    After a while without use it goes the other way, if that can bring the hand nearer. To the
+    After a while without use it goes the other way, if that can bring the hand nearer, for as long
+    as the short way stays barred: a platform that comes along may open it meanwhile. To the
     person beside the robot this is an arm that changes sides instead of pushing in vain.
     """
 
@@ -51,6 +52,6 @@ class Stops:
         leaves = pressing & (vain > 0) & (there < beyond + self.URGE * vain)
         way = where(leaves, where(best > 0, -1.0, 1.0), self._way)
         end_of_way = where(way > 0, self._upper - angle, angle - self._lower)
-        on_the_long_way = (way * best < 0) & (end_of_way > self.AT)
+        on_the_long_way = (way * best < 0) & (end_of_way > self.AT) & (beyond > 0)
         self._way = where(on_the_long_way, way, 0.0)
         return best + self._way * 2 * np.pi

@@ -41,6 +41,13 @@ def test_it_keeps_to_the_long_way_until_that_is_the_best():
     assert past_half == pytest.approx(np.deg2rad(150.0))
 
 
+def test_it_turns_back_when_the_short_way_has_opened():
+    stops = Stops(LOWER, UPPER)
+    press(stops, LOWER, np.deg2rad(-150.0), 2.0)
+    opened = np.deg2rad(-20.0)  # a platform has come nearer: within the range from here
+    assert stops.turn(2.5, np.deg2rad(-30.0), opened) == opened
+
+
 def test_a_place_that_is_nearer_by_its_stop_is_waited_for_longer():
     stops = Stops(LOWER, UPPER)
     nearly = np.deg2rad(-20.0)  # the other end is 130 deg away from there
