@@ -3,27 +3,42 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN = $(VENV)/bin
 
-.PHONY: run test clean
+.PHONY: run test computed processes clean
 
 run: $(VENV)/run
 	$(BIN)/msma-launch deploy/arph.yaml
 
+# What computes goes beside what waits for robots in real time.
 test: $(VENV)/test
+	@$(MAKE) --no-print-directory --jobs=2 computed processes
+
+PROCESSES = tests/bench tests/runtime tests/test_readme.py
+
+computed:
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
-	$(BIN)/pytest
+	$(BIN)/pytest -q $(PROCESSES:%=--ignore=%)
+
+processes:
+	$(BIN)/pytest $(PROCESSES)
 
 $(VENV)/bin/pip:
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "MSMA needs Python 3.11 or newer; this is %d.%d. Say which to use: make PYTHON=python3.11" % sys.version_info[:2])'
 	$(PYTHON) -m venv $(VENV)
 
+# What is installed in place is not compiled by pip, and some environments keep Python from doing so:
+# then every process would compile all that it imports anew, which doubles the time of its start.
+COMPILE = $(BIN)/python -m compileall -q agents bench plant runtime studies
+
 $(VENV)/run: pyproject.toml $(VENV)/bin/pip
 	$(BIN)/pip install --quiet --editable '.[keys,plots]'
+	$(COMPILE)
 	@touch $@
 
 $(VENV)/test: pyproject.toml $(VENV)/bin/pip
 	$(BIN)/pip install --quiet --editable '.[keys,plots,test]'
+	$(COMPILE)
 	@touch $@ $(VENV)/run
 
 clean:
