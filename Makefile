@@ -28,7 +28,7 @@ $(VENV)/bin/pip:
 	$(PYTHON) -m venv $(VENV)
 
 # What is installed in place is not compiled by pip, and some environments keep Python from doing so:
-# then every process would compile all that it imports anew, which doubles the time of its start.
+# then every process would compile all that it imports anew, and take a quarter longer to start.
 COMPILE = $(BIN)/python -m compileall -q agents bench plant runtime studies
 
 $(VENV)/run: pyproject.toml $(VENV)/bin/pip
