@@ -61,6 +61,7 @@ class EvenLineByModel(LineByModel):
     where the platform makes up for what stays missing, the plain law does better.
     """
 
+    GAIN = BolderGain
     INSISTENCE = 1.5  # horizons for which what stays missing is remembered
     NEAR = 0.2  # [m] from the goal where it begins to turn more slowly
     LEAD = 1.0  # [s] of a moving goal's way that counts as distance there
@@ -71,7 +72,6 @@ class EvenLineByModel(LineByModel):
     ) -> None:
         """Turn joint `joint` (from 0) of that body: see `JointAgent` for the rest."""
         super().__init__(body, joint, gain=gain, horizon=horizon, memory=memory, bend=bend)
-        self._gain = BolderGain(gain, max(gain, self.MOST))
         self._insistence = Insistence(self.INSISTENCE * horizon)
 
     def aim(self, place: Array, ahead: Array, elapsed: float) -> Array:

@@ -190,7 +190,6 @@ _WRITING = {
     for kind, fields in FIELDS.items()
 }
 """The names of its fields, and those that msgpack does not write as they are, with what does."""
-_READING = {kind: [(field.read, field.name) for field in fields] for kind, fields in FIELDS.items()}
 
 
 def stamp(message: M, by: int, n: int) -> M:
@@ -227,7 +226,7 @@ def unpack(kind: type[M], data: bytes) -> M:
     if type(wire) is not dict:
         raise MessageError(Reason.NOT_A_MAP, f"it is {type(wire).__name__}")
     try:
-        message = tuple.__new__(kind, [read(wire[name], name) for read, name in _READING[kind]])
+        message = tuple.__new__(kind, [read(wire[name], name) for name, read, _ in FIELDS[kind]])
     except KeyError as error:
         raise MessageError(Reason.MISSING, f"there is no {error}") from None
     if isinstance(message, JointStates) and len(message.position) != len(message.velocity):
