@@ -52,7 +52,7 @@ class Senses:
         self._refusals = refusals
         self._goal_known: tuple[GoalMessage, Goal] | None = None
         self.t = self.glance = 0.0
-        self._hand_seen, self._looked = -math.inf, True
+        self._hand_seen = -math.inf
 
     def take(self, arrival: Arrival, now: float) -> bool:
         """Take what arrived `now` [s]; tell whether it calls for a decision.
@@ -65,11 +65,12 @@ class Senses:
                 return self._keep(self._joints.take(arrival.data, now), self._states)
             case keys.HAND:
                 blind = self._joints.fresh(now) is None
-                self._looked = blind or now - self._hand_seen >= self.glance
-                if not self._looked:
+                if not blind and now - self._hand_seen < self.glance:
                     return False
-                self._hand_seen = now
-                return self._keep(self._hand.take(arrival.data, now), self._hands) and blind
+                seen = self._keep(self._hand.take(arrival.data, now), self._hands)
+                if seen:
+                    self._hand_seen = now
+                return seen and blind
             case keys.PLATFORM:
                 self._keep(self._base.take(arrival.data, now), self._bases)
             case keys.GOAL | keys.KNOWN_GOAL:
@@ -87,8 +88,10 @@ class Senses:
 
     def percepts(self, now: float) -> Percepts | None:
         """Return what is fresh `now` [s], and the goal, which never goes stale; None if blind."""
-        hand = self._hand.fresh(now) if self._looked else None
-        states, base = self._joints.fresh(now), self._base.fresh(now)
+        hand, states = self._hand.fresh(now), self._joints.fresh(now)
+        base = self._base.fresh(now)
+        if self.glance and hand and states and hand.t < states.t:
+            hand = None  # newer ones were left aside: it is not to hold the others back
         if hand is None and states is None:
             return None
         moments = [seen.t for seen in (hand, states, base) if seen is not None]

@@ -175,3 +175,16 @@ def test_without_joint_states_every_sight_of_the_hand_counts(agent: Agent) -> No
         at = 10 + 0.02 * tick
         assert agent.hears(POSE._replace(t=0.02 * tick), at)
         assert agent.sees(at).hand is not None
+
+
+def test_nonsense_does_not_take_the_place_of_a_glance_at_the_hand(agent: Agent) -> None:
+    agent.senses.glance = 0.05
+    for tick in range(4):
+        t, at = 0.02 * tick, 10 + 0.02 * tick
+        agent.senses.take(Arrival(keys.HAND, b"nonsense"), at)
+        agent.hears(POSE._replace(t=t), at)
+        agent.senses.take(Arrival(keys.HAND, b"nonsense"), at)
+        agent.hears(STATES._replace(t=t), at)
+        percepts = agent.sees(at)
+        assert percepts.t == t
+        assert (percepts.hand is not None) == (tick in (0, 3))
