@@ -76,7 +76,6 @@ class JointAgent(Agent):
     def decide(self, percepts: Percepts) -> Array | None:
         """Return the joint's velocity (...) [rad/s]; None without a goal or a sight of the hand."""
         view = self._sight.see(percepts)
-        self.glance = self._sight.glance
         if view is None or percepts.goal is None:
             self.perception = "none"
             return None

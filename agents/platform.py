@@ -118,7 +118,6 @@ class PlatformAgent(Agent):
         None without a goal, a sight of the hand or one of itself.
         """
         view = self._sight.see(percepts)
-        self.glance = self._sight.glance
         if view is None or percepts.goal is None or percepts.base is None:
             self.perception = "none"
             return None

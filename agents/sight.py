@@ -36,12 +36,9 @@ class Sight:
     `blackboard`: all joint values and the forward model. `localiser`: an external eye, no model.
     `auto`: the blackboard as long as it is there and explains what the eye sees; the eye when it
     is not or does not. What is compared is where the hand is said to be: nothing asks what works.
-
-    glance: how soon after a sight of the hand the next one is of use [s], after what was seen last
     """
 
     LASTING = 0.5  # [s] over which differences are averaged
-    GLANCE = 0.01  # [s] from one comparison to the next, as long as the two agree
     SAME = 0.002  # [m] a lasting difference up to which the two tell the same
     SPREADS = 4.0  # standard deviations of the average that may be chance, on top of that
 
@@ -57,15 +54,9 @@ class Sight:
         self._difference: Parts = cast("Parts", (0.0, 0.0, 0.0))
         self._spread = cast("Array", 0.0)
         self._t: float | None = None
-        self.glance = 0.0
 
     def see(self, percepts: Percepts) -> View | None:
         """Return the view by the best of what is seen freshly, or None if nothing is."""
-        view = self._view(percepts)
-        self.glance = self.GLANCE if view is not None and view.certain else 0.0
-        return view
-
-    def _view(self, percepts: Percepts) -> View | None:
         arm = None if self._perception == "localiser" else self._by_model(percepts)
         hand = None if self._perception == "blackboard" else percepts.hand
         if arm is None:

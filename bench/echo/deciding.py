@@ -1,11 +1,12 @@
 """One process of the plain echo that does our thinking as well: what a loop in Python can reach.
 
-A plant that simulates and agents that decide; each reads what it goes by, and writes what it tells,
-as the wire contract has it. There is nothing around that: nobody is held against who else speaks in
-that role, no percept is put together, nothing is logged. What they read and think about was
-recorded.
+A plant that simulates and agents that decide, as often as ours do; each reads what it goes by, and
+writes what it tells, as the wire contract has it. There is nothing around that: nobody is held
+against who else speaks in that role, no percept is put together, nothing is logged. What they read
+and think about was recorded.
 """
 
+import random
 from collections.abc import Callable, Sequence
 from itertools import cycle
 
@@ -13,6 +14,7 @@ from agents.agent import Agent, Array, Percepts
 from bench.echo.load import AGENTS, GOAL, part_of
 from bench.echo.plain_zenoh import be, nothing
 from bench.thinking import ArmRun, arm_run
+from runtime.processes.cadence import Cadence
 from runtime.wire.keys import PLANT
 from runtime.wire.messages import (
     HandPose,
@@ -54,20 +56,23 @@ def _plant_of(run: ArmRun) -> Callable[[], object]:
 
 
 def _agent_of(agent: Agent, seen: Sequence[Percepts]) -> Callable[[], object]:
-    """Read as little as an agent may: of the hand a glance now and then is enough for it."""
-
-    def packed(percepts: Percepts) -> list[tuple[type[Message], bytes]]:
-        base, _, joints = _states(percepts)
-        told = (base, joints) if "base" in agent.sees else (joints,)
-        return [(type(message), pack(message)) for message in told]
-
-    ticks = cycle([(percepts, packed(percepts)) for percepts in seen])
+    """Read what calls for an answer, and decide as often as our agents do."""
+    states = [_states(percepts) for percepts in seen]
+    ticks = cycle(
+        [(percepts, pack(base), pack(joints))
+         for percepts, (base, _, joints) in zip(seen, states, strict=True)]
+    )  # fmt: skip
+    cadence, sees_base = Cadence(agent.rest, random.random()), "base" in agent.sees
+    decided = agent.decide(seen[0])
 
     def think() -> None:
-        percepts, told = next(ticks)
-        for kind, data in told:
-            unpack(kind, data)
-        decided = agent.decide(percepts)
+        nonlocal decided
+        percepts, base, joints = next(ticks)
+        unpack(JointStates, joints)
+        if cadence.due(percepts.t):
+            if sees_base:
+                unpack(PlatformPose, base)
+            decided = agent.decide(percepts)
         assert decided is not None
         pack(_command(percepts.t, decided))
 

@@ -1,6 +1,5 @@
 """What an agent perceives: messages in, percepts out. Pure but for the clock it is handed."""
 
-import math
 from collections import deque
 from typing import TypeVar
 
@@ -19,6 +18,8 @@ from runtime.wire.refusals import Reason, Refusals
 S = TypeVar("S", HandPose, JointStates, PlatformPose)
 _KEPT = 6
 """How many of each kind are kept, to find those that belong together."""
+LATELY = 3
+"""How many of what is of use to a decision only need be kept until there is one."""
 
 
 class Senses:
@@ -29,9 +30,7 @@ class Senses:
 
     robot: whose joints the joint states must be of
     fresh: how long what arrived is worth perceiving [s]
-    t: the moment that the plant told of last [s]
-    glance: how long after a look at the hand the next one is of use [s]: what is told of it in
-        between is left aside, as long as there are joint states
+    t: the moment that was told of last by what calls for a decision [s]
     """
 
     def __init__(self, robot: Robot, fresh: float, refusals: Refusals) -> None:
@@ -51,8 +50,8 @@ class Senses:
         self._bases: deque[PlatformPose] = deque(maxlen=_KEPT)
         self._refusals = refusals
         self._goal_known: tuple[GoalMessage, Goal] | None = None
-        self.t = self.glance = 0.0
-        self._hand_seen = -math.inf
+        self._glimpses: deque[tuple[float, Arrival]] = deque(maxlen=LATELY)  # not read yet
+        self.t = 0.0
 
     def take(self, arrival: Arrival, now: float) -> bool:
         """Take what arrived `now` [s]; tell whether it calls for a decision.
@@ -62,15 +61,10 @@ class Senses:
         """
         match arrival.key:
             case keys.JOINTS:
-                return self._keep(self._joints.take(arrival.data, now), self._states)
+                return self._calls(self._keep(self._joints.take(arrival.data, now), self._states))
             case keys.HAND:
-                blind = self._joints.fresh(now) is None
-                if not blind and now - self._hand_seen < self.glance:
-                    return False
-                seen = self._keep(self._hand.take(arrival.data, now), self._hands)
-                if seen:
-                    self._hand_seen = now
-                return seen and blind
+                self._glimpses.append((now, arrival))
+                return self._joints.fresh(now) is None and self._calls(self._look())
             case keys.PLATFORM:
                 self._keep(self._base.take(arrival.data, now), self._bases)
             case keys.GOAL | keys.KNOWN_GOAL:
@@ -79,19 +73,30 @@ class Senses:
                 self._refusals.count_unknown(stranger)
         return False
 
-    def _keep(self, message: S | None, kept: deque[S]) -> bool:
+    def _keep(self, message: S | None, kept: deque[S]) -> S | None:
+        if message is not None:
+            kept.append(message)
+        return message
+
+    def _look(self) -> HandPose | None:
+        """Take what came of the hand lately; return the last of it that was not refused."""
+        seen = None
+        while self._glimpses:
+            arrived, glimpse = self._glimpses.popleft()
+            seen = self._keep(self._hand.take(glimpse.data, arrived), self._hands) or seen
+        return seen
+
+    def _calls(self, message: HandPose | JointStates | None) -> bool:
         if message is None:
             return False
-        kept.append(message)
         self.t = message.t
         return True
 
     def percepts(self, now: float) -> Percepts | None:
         """Return what is fresh `now` [s], and the goal, which never goes stale; None if blind."""
+        self._look()
         hand, states = self._hand.fresh(now), self._joints.fresh(now)
         base = self._base.fresh(now)
-        if self.glance and hand and states and hand.t < states.t:
-            hand = None  # newer ones were left aside: it is not to hold the others back
         if hand is None and states is None:
             return None
         moments = [seen.t for seen in (hand, states, base) if seen is not None]

@@ -37,7 +37,7 @@ def test_a_joint_that_holds_sees_joints_alone(body):
 
 def test_an_agent_rests_for_a_small_part_of_its_horizon(body):
     for agent in (JointAgent(body(0, 0.001)), PlatformAgent(body(None, 0.001))):
-        assert 0 < agent.rest < 0.01
+        assert 0 < agent.rest <= 0.01
 
 
 @pytest.mark.parametrize("ticks", [1, 4])
@@ -49,23 +49,3 @@ def test_how_often_it_decides_does_not_change_how_it_lets_go(body, percepts, tic
         joints = Joints(START, np.array([0, speed, 0, 0, 0, 0]))
         speed = float(agent.decide(percepts(t=tick * period, joints=joints)))
     assert speed == pytest.approx(0.1 * np.exp(-0.4), rel=0.05)
-
-
-@pytest.mark.parametrize("joint", [1, None])
-def test_a_glance_at_the_hand_is_enough_while_it_is_where_the_model_says(body, percepts, joint):
-    agent = PlatformAgent(body(None)) if joint is None else JointAgent(body(joint))
-    seen = percepts(t=0.0)
-    agent.decide(seen)
-    assert 0 < agent.glance <= 0.02
-    agent.decide(seen._replace(t=0.06, hand=None))
-    assert agent.glance > 0
-    for tick in range(2, 40):  # an encoder is off, and the eye has to be trusted
-        agent.decide(seen._replace(t=0.06 * tick, hand=seen.hand + 0.3))
-    assert agent.perception == "localiser"
-    assert agent.glance == 0
-
-
-def test_who_has_nothing_but_the_hand_to_go_by_takes_every_sight_of_it(body, percepts):
-    agent = JointAgent(body(1), perception="localiser")
-    agent.decide(percepts(t=0.0))
-    assert agent.glance == 0

@@ -155,30 +155,34 @@ def test_of_another_process_no_older_word_is_taken(agent: Agent) -> None:
     assert percepts.base[0] == 2.0
 
 
-def test_of_the_hand_a_glance_now_and_then_is_enough_if_the_agent_says_so(agent: Agent) -> None:
-    agent.senses.glance = 0.05
-    seen = []
-    for tick in range(6):
-        t, at = 0.02 * tick, 10 + 0.02 * tick
-        agent.hears(POSE._replace(t=t), at)
-        assert agent.hears(STATES._replace(t=t), at)
-        percepts = agent.sees(at)
-        assert percepts.t == t, "a hand that was left aside holds nothing back"
-        seen.append(percepts.hand is not None)
-    assert seen == [True, False, False, True, False, False]
+def test_of_the_hand_only_the_latest_are_read_and_when_a_decision_is_made(agent: Agent) -> None:
+    agent.hears(STATES._replace(t=0.0), 10.0)
+    for tick in range(1, 10):
+        agent.senses.take(Arrival(keys.HAND, b"nonsense"), 10.0)
+        assert not agent.hears(POSE._replace(t=0.001 * tick), 10.0 + 0.001 * tick)
     assert agent.refusals.table() == {}
+    agent.hears(STATES._replace(t=0.001 * 9), 10.009)
+    percepts = agent.sees(10.009)
+    assert percepts.t == 0.001 * 9
+    assert percepts.hand is not None
+    assert agent.refusals.table() == {keys.HAND: {Reason.NOT_A_MAP: 1}}
+
+
+def test_a_hand_that_was_told_of_long_ago_is_not_fresh_for_being_read_now(agent: Agent) -> None:
+    agent.hears(STATES, 10.0)
+    agent.hears(POSE, 10.0)
+    agent.hears(STATES._replace(t=1.3), 10.3)
+    assert agent.sees(10.3).hand is None
 
 
 def test_without_joint_states_every_sight_of_the_hand_counts(agent: Agent) -> None:
-    agent.senses.glance = 1.0
     for tick in range(3):
         at = 10 + 0.02 * tick
         assert agent.hears(POSE._replace(t=0.02 * tick), at)
         assert agent.sees(at).hand is not None
 
 
-def test_nonsense_does_not_take_the_place_of_a_glance_at_the_hand(agent: Agent) -> None:
-    agent.senses.glance = 0.05
+def test_nonsense_does_not_take_the_place_of_the_hand(agent: Agent) -> None:
     for tick in range(4):
         t, at = 0.02 * tick, 10 + 0.02 * tick
         agent.senses.take(Arrival(keys.HAND, b"nonsense"), at)
@@ -187,4 +191,4 @@ def test_nonsense_does_not_take_the_place_of_a_glance_at_the_hand(agent: Agent) 
         agent.hears(STATES._replace(t=t), at)
         percepts = agent.sees(at)
         assert percepts.t == t
-        assert (percepts.hand is not None) == (tick in (0, 3))
+        assert percepts.hand is not None

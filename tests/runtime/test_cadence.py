@@ -1,0 +1,102 @@
+"""When an agent that is asked often has to think anew, and what it says in between."""
+
+import threading
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+
+from agents.agent import Agent, Percepts
+from runtime.config.deployment import load
+from runtime.config.overrides import Override
+from runtime.processes.agent_process import AgentLoop
+from runtime.processes.cadence import Cadence
+from runtime.processes.process import Process
+from runtime.wire import keys
+from runtime.wire.messages import JointCommand, unpack
+from tests.runtime.conftest import Crew, wait_for
+
+REST = 0.01  # [s]
+
+
+@pytest.mark.parametrize("phase", [0.0, 0.3, 0.99])
+def test_it_is_due_once_in_each_spell(phase: float) -> None:
+    cadence = Cadence(REST, phase)
+    due = [tick for tick in range(1000) if cadence.due(tick * 0.001)]
+    assert len(due) == pytest.approx(100, abs=1)
+    assert set(np.diff(due[1:]).tolist()) <= {9, 10, 11}
+
+
+@pytest.mark.parametrize(("rest", "period"), [(0.0, 0.001), (REST, 0.02), (REST, 0.06)])
+def test_it_is_always_due_without_rest_or_when_asked_more_rarely(
+    rest: float, period: float
+) -> None:
+    cadence = Cadence(rest, 0.4)
+    assert all(cadence.due(tick * period) for tick in range(500))
+
+
+def test_those_that_are_held_up_together_do_not_think_together_from_then_on() -> None:
+    several = [Cadence(REST, phase) for phase in (0.1, 0.35, 0.6, 0.85)]
+    for tick in (*range(30), *range(500, 503)):  # meanwhile the plant hung
+        for cadence in several:
+            cadence.due(tick * 0.001)
+    due = [[c.due(tick * 0.001) for c in several] for tick in range(503, 523)]
+    assert max(sum(each) for each in due) == 1
+
+
+def test_another_plant_is_thought_about_at_once() -> None:
+    cadence = Cadence(REST, 0.2)
+    assert cadence.due(24.0)
+    assert cadence.due(0.0)
+
+
+class Counts(Agent):
+    """An agent whose answer is how often it has thought."""
+
+    sees = frozenset(("joints",))
+    rest = REST
+
+    def __init__(self) -> None:
+        self.silent, self.times = True, list[float]()
+
+    def decide(self, percepts: Percepts) -> float | None:  # type: ignore[override] # one joint's
+        if self.silent:
+            return None
+        self.times.append(percepts.t)
+        return 1e-6 * len(self.times)
+
+
+def test_every_state_is_answered_and_no_more_decisions_made_than_are_of_use(crew: Crew) -> None:
+    agent = Counts()
+    wanted = {"robot": crew.robot, "port": f"{crew.port}", "period": "2 ms"}
+    deployment = load(crew.file, [Override("here", *item) for item in wanted.items()])
+    member = next(one for one in deployment.crew if one.role == "joint/1")
+    crew.options += ["--set", "period=2ms"]
+    crew.start("plant")
+    ring = crew.visit().ring(keys.joint_command(1), depth=4000)
+    said: list[JointCommand] = []
+
+    def heard() -> bool:
+        said.extend(unpack(JointCommand, one.data) for one in ring.waiting(4000))
+        return len(said) >= 200
+
+    def live() -> None:
+        with Process(deployment, member, crew.file, crew.run) as process:
+            thread = threading.Thread(target=AgentLoop(process, agent).run)
+            thread.start()
+            wait_for(lambda: crew.diag(crew.visit(), "plant"), "the plant, whose time stands still")
+            agent.silent = False  # what wants nothing yet is asked again, though no time has passed
+            wait_for(heard, "answers")
+            process.bus.close()
+            thread.join(5.0)
+
+    with ThreadPoolExecutor(1) as own:  # since how a process is scheduled is a thread's affair
+        own.submit(live).result()
+    moving = [command for command in said if command.t > 0]
+    spells = (moving[-1].t - moving[0].t) / REST
+    assert len(set(agent.times)) <= spells + 3
+    assert len(moving) > 3 * spells, "the states in between are answered as well"
+    thought = dict(zip(agent.times, range(1, len(agent.times) + 1), strict=True))
+    for command in moving:
+        last = max(t for t in agent.times if t <= command.t)
+        assert command.velocity == pytest.approx(1e-6 * thought[last]), "what was wanted last"
