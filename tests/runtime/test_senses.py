@@ -165,7 +165,7 @@ def test_of_the_hand_only_the_latest_are_read_and_when_a_decision_is_made(agent:
     percepts = agent.sees(10.009)
     assert percepts.t == 0.001 * 9
     assert percepts.hand is not None
-    assert agent.refusals.table() == {keys.HAND: {Reason.NOT_A_MAP: 1}}
+    assert agent.refusals.table() == {keys.HAND: {Reason.NOT_MSGPACK: 1}}
 
 
 def test_a_hand_that_was_told_of_long_ago_is_not_fresh_for_being_read_now(agent: Agent) -> None:
