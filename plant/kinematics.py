@@ -105,14 +105,9 @@ class Kinematics:
 
     def _forward_of_one(self, q: Array, base: Array) -> ArmPose:
         """The arm at `q` (n,) of a base at (3,)."""
-        numbers = np.array(self._straight_line(*base.tolist(), *q.tolist()))
-        n = 12 + 3 * self.robot.n
-        return ArmPose(
-            numbers[:3],
-            numbers[3:12].reshape(3, 3),
-            numbers[12:n].reshape(-1, 3),
-            numbers[n:].reshape(-1, 3),
-        )
+        rows = np.array(self._straight_line(*base.tolist(), *q.tolist())).reshape(-1, 3)
+        n = 4 + self.robot.n
+        return ArmPose(rows[0], rows[1:4], rows[4:n], rows[n:])
 
     def frames(self, q: Array, base: Array | None = None) -> Array:
         """(..., n + 1, 4, 4): the base's frame and each joint's frame in the world.
