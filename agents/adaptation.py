@@ -5,7 +5,7 @@ from typing import cast
 import numpy as np
 
 from agents.agent import Array
-from agents.arithmetic import alike, greater, lesser, where
+from agents.arithmetic import Parts, alike, between, greater, lesser, where
 
 
 class EagerGain:
@@ -32,10 +32,9 @@ class EagerGain:
         """Return the gain for this correction `wanted` (...), in any unit."""
         before, self._wanted = self._wanted, wanted
         if before is not None and alike(before, wanted):
-            product, left, share = wanted * before, abs(wanted), abs(before)
-            overshot = (product < 0) & (left > self.OVERSHOT * share)
-            slow = (product > 0) & (left > self.SLOW * share)
-            factor = where(overshot, self.CUT, where(slow, self.GROWTH, 1.0))
+            left, whole = wanted * before, before * before
+            grown = where(left > self.SLOW * whole, self.GROWTH, 1.0)
+            factor = where(left < -self.OVERSHOT * whole, self.CUT, grown)
             self._gain = lesser(greater(self._gain * factor, self._least), self._most)
         return self._gain
 
@@ -74,11 +73,11 @@ class SeenVelocity:
     def __init__(self) -> None:
         """Have seen nothing yet."""
         self._t = -np.inf
-        self._place: Array | None = None
-        self._velocity: Array | None = None
+        self._place: Parts | None = None
+        self._velocity: Parts | None = None
 
-    def after(self, t: float, place: Array) -> Array | None:
-        """Return the velocity (..., 3) [m/s] now that it is seen at `place` [m] at `t` [s].
+    def after(self, t: float, place: Parts) -> Parts | None:
+        """Return the velocity [m/s] now that it is seen at `place` [m] at `t` [s].
 
         None when the sight before is too old, or there was none.
         """
@@ -88,6 +87,7 @@ class SeenVelocity:
         if self._place is None or not 0 < elapsed <= self.GAP:
             self._velocity = None
         else:
-            self._velocity = (place - self._place) / elapsed
+            x, y, z = between(self._place, place)
+            self._velocity = x / elapsed, y / elapsed, z / elapsed
         self._t, self._place = t, place
         return self._velocity

@@ -30,14 +30,21 @@ class Goal(NamedTuple):
     since: float
     until: float
 
+    def moving(self, t: float) -> float:
+        """For how long the goal has moved by plant time `t` [s]: [s]."""
+        return min(max(t, self.since), self.until) - self.since
+
+    def moves(self, t: float) -> bool:
+        """Tell whether the goal moves at plant time `t` [s]."""
+        return self.since <= t < self.until
+
     def at(self, t: float) -> Array:
         """Where the goal is at plant time `t` [s]: (..., 3) [m] in the world."""
-        moving = min(max(t, self.since), self.until) - self.since
-        return self.position + self.velocity * moving
+        return self.position + self.velocity * self.moving(t)
 
     def velocity_at(self, t: float) -> Array:
         """How fast the goal moves at plant time `t` [s]: (..., 3) [m/s]."""
-        return self.velocity if self.since <= t < self.until else np.zeros_like(self.velocity)
+        return self.velocity if self.moves(t) else np.zeros_like(self.velocity)
 
 
 class Joints(NamedTuple):

@@ -30,6 +30,21 @@ def parts(vector: Array) -> Parts:
     return vector[..., 0], vector[..., 1], vector[..., 2]
 
 
+def row(vectors: Array, index: int) -> Parts:
+    """Return the three parts (...) of one of vectors (..., n, 3)."""
+    if vectors.ndim == 2:
+        x, y, z = vectors[index].tolist()
+        return x, y, z
+    return vectors[..., index, 0], vectors[..., index, 1], vectors[..., index, 2]
+
+
+def element(values: Array, index: int) -> Array:
+    """Return one (...) of values (..., n): a float of a lone row."""
+    if values.ndim == 1:
+        return values.item(index)  # type: ignore[return-value]
+    return values[..., index]
+
+
 def joined(*values: Array) -> Array:
     """Return vectors (..., n) of n parts (...)."""
     vector = np.array(values)
@@ -48,9 +63,21 @@ def alike(a: Array, b: Array) -> bool:
     return not isinstance(a, _MANY) and not isinstance(b, _MANY)
 
 
-def squared_length(vector: Array) -> Array:
-    """Return the square of the length (...) of vectors (..., 3)."""
-    x, y, z = parts(vector)
+def moved(place: Parts, way: Parts, by: float) -> Parts:
+    """Return where one comes to who goes so many times a way from a place."""
+    if by == 0:  # as to a goal that stands still: a sixth of all that is worked out in a study
+        return place
+    return place[0] + by * way[0], place[1] + by * way[1], place[2] + by * way[2]
+
+
+def between(start: Parts, end: Parts) -> Parts:
+    """Return the way from a start to an end."""
+    return end[0] - start[0], end[1] - start[1], end[2] - start[2]
+
+
+def squared_length(vector: Parts) -> Array:
+    """Return the square of the length (...) of vectors."""
+    x, y, z = vector
     return x * x + y * y + z * z
 
 

@@ -25,7 +25,7 @@ class Bend:
 
     def __init__(self, least: float) -> None:
         """Keep at least that angle off straight [rad]; 0 keeps nothing."""
-        self._least = least
+        self.least = least
         self._best = cast("Array", inf)
         self._since = cast("Array", 0.0)
 
@@ -34,8 +34,6 @@ class Bend:
 
         t: plant time [s]; angle: (...) of the joint [rad]; distance: (...) of hand and goal [m].
         """
-        if self._least == 0:
-            return velocity
         nearer = distance < self.NEARER * self._best
         anew = (distance > self.ANEW * self.FAR) & (self._best < self.FAR)
         self._since = where(nearer | anew, t, self._since)
@@ -43,6 +41,6 @@ class Bend:
         share = greater((distance - self.NEAR) / (self.FAR - self.NEAR), 0.0)
         patience = self.PATIENCE * lesser(share, 1.0) ** 2
         side = where(angle < 0, -1.0, 1.0)
-        room = greater(side * angle - self._least, 0.0)
+        room = greater(side * angle - self.least, 0.0)
         kept = side * greater(side * velocity, -room / self.STOPPING)
         return where(t - self._since < patience, kept, velocity)

@@ -2,7 +2,19 @@
 
 from agents.adaptation import SteadierGain
 from agents.agent import Array
-from agents.arithmetic import arctan2, greater, lesser, mixed, parts, ramp, sqrt, within
+from agents.arithmetic import (
+    Parts,
+    arctan2,
+    between,
+    greater,
+    lesser,
+    mixed,
+    parts,
+    ramp,
+    row,
+    sqrt,
+    within,
+)
 from agents.laws import LineByModel
 from plant.kinematics import ArmPose
 
@@ -28,13 +40,13 @@ class CarriedLineByModel(LineByModel):
     TINY = 1e-8  # [m2], [m2/s2] so that nothing is divided by nothing
 
     def toward(
-        self, ahead: Array, place: Array, arm: ArmPose, speed: Array, going: Array
+        self, ahead: Parts, place: Parts, arm: ArmPose, speed: Array, going: Parts
     ) -> tuple[Array, Array | float]:
         """Return the turn (...) [rad], and how much (...), 0 to 1, of the motion is not to fade."""
-        point = arm.points[..., self._joint, :]
-        rx, ry, rz = parts(ahead - point)
-        sx, sy, sz = parts(place - point)
-        ax, ay, az = parts(arm.axes[..., self._joint, :])
+        point = row(arm.points, self._joint)
+        rx, ry, rz = between(point, ahead)
+        sx, sy, sz = between(point, place)
+        ax, ay, az = row(arm.axes, self._joint)
         # the way of the hand [m] for each radian; with it, the exact best turn: see `best_turn`
         x, y, z = ay * rz - az * ry, az * rx - ax * rz, ax * ry - ay * rx
         along = (ax * rx + ay * ry + az * rz) * (ax * sx + ay * sy + az * sz)
@@ -44,13 +56,13 @@ class CarriedLineByModel(LineByModel):
         closing = (x * off_x + y * off_y) / (slides + lifts)
         closing = closing + z * off_z / (self.SLIDES * slides + lifts)
         far = ramp(sqrt(off_x * off_x + off_y * off_y + off_z * off_z), *self.CLOSE)
-        now_x, now_y, _ = parts(arm.tip - point)
+        now_x, now_y, _ = between(point, parts(arm.tip))
         lifted = speed * (ax * now_y - ay * now_x)
-        serves = parts(going)[2] * lifted / greater(lifted * lifted, self.TINY)
+        serves = going[2] * lifted / greater(lifted * lifted, self.TINY)
         return mixed(closing, turn, far), lesser(greater(serves, 0.0), 1.0)
 
-    def paced(self, velocity: Array, missing: Array, going: Array) -> Array:
+    def paced(self, velocity: Array, hand: Parts, place: Parts, going: Parts) -> Array:
         """Return the velocity (...) [rad/s], less while the goal is far on the level."""
-        x, y, _ = parts(missing)
+        x, y, _ = between(hand, place)
         near = self.NEAR * self.NEAR
         return within(velocity, self._top_speed * near / greater(x * x + y * y, near))

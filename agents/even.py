@@ -2,11 +2,9 @@
 
 from math import exp
 
-import numpy as np
-
 from agents.adaptation import EagerGain
 from agents.agent import Array, Body
-from agents.arithmetic import greater, lesser, sqrt, squared_length, within
+from agents.arithmetic import Parts, between, greater, lesser, moved, sqrt, squared_length, within
 from agents.laws import LineByModel
 
 
@@ -26,22 +24,22 @@ class Insistence:
     def __init__(self, memory: float) -> None:
         """Remember for about `memory` [s]."""
         self._memory = memory
-        self._lasting: Array | None = None
+        self._lasting: Parts | None = None
 
-    def after(self, missing: Array, elapsed: float) -> Array:
-        """Return what to ask for on top of `missing` (..., 3) [m]: (..., 3) [m].
+    def after(self, missing: Parts, elapsed: float) -> Parts:
+        """Return what to ask for on top of `missing` [m]: [m].
 
         elapsed: time since the last time [s]
         """
         if self._lasting is None:
             self._lasting = missing
         else:
-            kept = exp(-elapsed / self._memory)
-            self._lasting = kept * self._lasting + (1 - kept) * missing
+            forgotten = 1 - exp(-elapsed / self._memory)
+            self._lasting = moved(self._lasting, between(self._lasting, missing), forgotten)
         now, lasting = squared_length(missing), squared_length(self._lasting)
         share = self.SHARE * sqrt(now / greater(greater(lasting, now), self.TINY))
-        more: Array = (share[..., None] if isinstance(share, np.ndarray) else share) * self._lasting
-        return more
+        x, y, z = self._lasting
+        return share * x, share * y, share * z
 
 
 class BolderGain(EagerGain):
@@ -74,12 +72,12 @@ class EvenLineByModel(LineByModel):
         super().__init__(body, joint, gain=gain, horizon=horizon, memory=memory, bend=bend)
         self._insistence = Insistence(self.INSISTENCE * horizon)
 
-    def aim(self, place: Array, ahead: Array, elapsed: float) -> Array:
-        """Return where to bring the hand: beyond `place` by what stays missing, (..., 3) [m]."""
-        return place + self._insistence.after(place - ahead, elapsed)
+    def aim(self, place: Parts, ahead: Parts, elapsed: float) -> Parts:
+        """Return where to bring the hand: beyond `place` by what stays missing [m]."""
+        return moved(place, self._insistence.after(between(ahead, place), elapsed), 1.0)
 
-    def paced(self, velocity: Array, missing: Array, going: Array) -> Array:
+    def paced(self, velocity: Array, hand: Parts, place: Parts, going: Parts) -> Array:
         """Return the velocity (...) [rad/s], bounded near the goal."""
-        far = sqrt(squared_length(missing)) + self.LEAD * sqrt(squared_length(going))
+        far = sqrt(squared_length(between(hand, place))) + self.LEAD * sqrt(squared_length(going))
         most = self._top_speed * greater(sqrt(lesser(far / self.NEAR, 1.0)), self.LEAST)
         return within(velocity, most)

@@ -5,7 +5,7 @@ from typing import Annotated, Literal, cast
 import numpy as np
 
 from agents.agent import REST, Agent, AgentError, Array, Body, Joints, Percepts
-from agents.arithmetic import anywhere, plain, within
+from agents.arithmetic import anywhere, element, within
 from agents.by_eye import LineByEye
 from agents.carried import CarriedLineByModel
 from agents.even import EvenLineByModel
@@ -94,9 +94,7 @@ class JointAgent(Agent):
         return within(velocity, self._top_speed)
 
     def _own(self, joints: Joints) -> Own:
-        return Own(
-            plain(joints.position[..., self._joint]), plain(joints.velocity[..., self._joint])
-        )
+        return Own(element(joints.position, self._joint), element(joints.velocity, self._joint))
 
 
 class HoldAgent(Agent):
@@ -127,7 +125,7 @@ class HoldAgent(Agent):
         if percepts.joints is None:
             self.perception = "none"
             return None
-        seen = plain(percepts.joints.position[..., self._joint])
+        seen = element(percepts.joints.position, self._joint)
         if anywhere(seen != seen):  # not a number
             self.perception = "none"
             return None

@@ -8,7 +8,7 @@ import numpy as np
 
 from agents.adaptation import EagerGain, Elapsed, SeenVelocity
 from agents.agent import Array, Body, Goal
-from agents.arithmetic import sqrt, squared_length, where
+from agents.arithmetic import Parts, between, moved, parts, row, sqrt, squared_length, where
 from agents.bend import Bend
 from agents.sight import View
 from agents.stops import Stops
@@ -72,43 +72,47 @@ class LineByModel(Law):
         """Return the velocity (...) [rad/s]."""
         assert view.arm is not None
         assert own is not None  # the view's arm was made of the encoders
-        hand = view.arm.tip
+        hand = parts(view.arm.tip)
         drift = self._seen.after(t, hand)
-        ahead = hand if drift is None else hand + drift * self._horizon
+        ahead = hand if drift is None else moved(hand, drift, self._horizon)
         elapsed = self._elapsed.at(t)
-        place, going = goal.at(t), goal.velocity_at(t)
-        aim = self.aim(place + going * self._horizon, ahead, elapsed)
+        place = moved(parts(goal.position), parts(goal.velocity), goal.moving(t))
+        going = parts(goal.velocity_at(t))
+        then = moved(place, going, self._horizon if goal.moves(t) else 0.0)
+        aim = self.aim(then, ahead, elapsed)
         turn, lasting = self.toward(ahead, aim, view.arm, own.speed, going)
         turn = self._stops.turn(t, own.angle, turn)
         fading = (1 - lasting) * (1 - exp(-elapsed / self._memory))
         velocity = own.speed * (1 - fading) + self._gain.after(turn) * turn / self._horizon
-        missing = place - hand
-        velocity = self.paced(velocity, missing, going)
-        bent = self._bend.limited(t, own.angle, velocity, sqrt(squared_length(missing)))
+        velocity = self.paced(velocity, hand, place, going)
+        if self._bend.least == 0:
+            return velocity
+        far = sqrt(squared_length(between(hand, place)))
+        bent = self._bend.limited(t, own.angle, velocity, far)
         return where(abs(turn) > np.pi, velocity, bent)  # the long way leads past straight
 
-    def aim(self, place: Array, ahead: Array, elapsed: float) -> Array:
-        """Return where to bring the hand: to `place` (..., 3) [m], where the goal will be.
+    def aim(self, place: Parts, ahead: Parts, elapsed: float) -> Parts:
+        """Return where to bring the hand: to `place` [m], where the goal will be.
 
-        ahead: (..., 3) [m] where the hand would be by then; elapsed: [s] since this was asked last
+        ahead: [m] where the hand would be by then; elapsed: [s] since this was asked last
         """
         return place
 
     def toward(
-        self, ahead: Array, place: Array, arm: ArmPose, speed: Array, going: Array
+        self, ahead: Parts, place: Parts, arm: ArmPose, speed: Array, going: Parts
     ) -> tuple[Array, Array | float]:
         """Return the turn (...) [rad], and how much (...), 0 to 1, of the motion is not to fade.
 
-        ahead, place: (..., 3) [m] where the hand would be, and where to bring it
-        speed: (...) [rad/s] of the joint; going: (..., 3) [m/s] of the goal
+        ahead, place: [m] where the hand would be, and where to bring it
+        speed: (...) [rad/s] of the joint; going: [m/s] of the goal
         """
-        point, axis = arm.points[..., self._joint, :], arm.axes[..., self._joint, :]
+        point, axis = row(arm.points, self._joint), row(arm.axes, self._joint)
         return best_turn(ahead, place, point, axis), 0.0
 
-    def paced(self, velocity: Array, missing: Array, going: Array) -> Array:
+    def paced(self, velocity: Array, hand: Parts, place: Parts, going: Parts) -> Array:
         """Return at what velocity (...) [rad/s] to turn.
 
-        missing: (..., 3) [m] from hand to goal; going: (..., 3) [m/s] of the goal
+        hand, place: [m] where the hand is, and the goal; going: [m/s] of the goal
         """
         return velocity
 

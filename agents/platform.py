@@ -8,13 +8,16 @@ from agents.adaptation import Elapsed, SeenVelocity, SteadierGain
 from agents.agent import REST, Agent, AgentError, Array, Body, Goal, Percepts
 from agents.arithmetic import (
     Mask,
+    Parts,
     alike,
     arctan2,
+    between,
     cos,
     greater,
     joined,
     lesser,
     mixed,
+    moved,
     parts,
     ramp,
     sin,
@@ -173,13 +176,14 @@ class PlatformAgent(Agent):
         if self._heading is None or not alike(self._heading, told):
             self._heading = told
         self._heading = heading = self._heading + wrapped(told - self._heading)
-        linear_x, linear_y, angular = parts(_velocity(self._motion, t, joined(x, y, heading)))
-        hand_x, hand_y, hand_z = parts(hand)
-        missing, going = parts(goal.at(t) - hand), parts(goal.velocity_at(t))
+        linear_x, linear_y, angular = _velocity(self._motion, t, (x, y, heading))
+        hand_x, hand_y, hand_z = seen = parts(hand)
+        place = moved(parts(goal.position), parts(goal.velocity), goal.moving(t))
+        missing, going = between(seen, place), parts(goal.velocity_at(t))
         ahead = cos(heading), sin(heading)
         return Scene(
             hand=(hand_x - x, hand_y - y, hand_z),
-            drift=parts(_velocity(self._hand_motion, t, hand)),
+            drift=_velocity(self._hand_motion, t, seen),
             missing=missing,
             going=going,
             heading=heading,
@@ -266,9 +270,9 @@ ABREAST = 1.2  # shares of a hand not carried in front, that it drives on with i
 BRISK = 11.0  # times as briskly does it line up where turning does not serve the hand
 
 
-def _velocity(seen: SeenVelocity, t: float, place: Array) -> Array:
+def _velocity(seen: SeenVelocity, t: float, place: Parts) -> Parts:
     velocity = seen.after(t, place)
-    return np.zeros_like(place) if velocity is None else velocity
+    return between(place, place) if velocity is None else velocity
 
 
 def drive_of(body: Body) -> Drive:

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from agents.arithmetic import parts
 from agents.carried import CarriedLineByModel
 from agents.laws import LineByModel
 from plant.kinematics import Kinematics
@@ -21,7 +22,7 @@ def law(body, kind):
 def asked(body, kind, q, missing, *, speed=0.0, going=STANDING):
     arm = Kinematics(body(SHOULDER).robot).forward(q, BASE)
     place = arm.tip + np.array(missing)
-    return law(body, kind).toward(arm.tip, place, arm, np.float64(speed), going)
+    return law(body, kind).toward(parts(arm.tip), parts(place), arm, speed, parts(going))
 
 
 def test_height_is_answered_more_firmly_where_the_hand_slides_as_it_rises(body):

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from agents.arithmetic import parts
 from agents.even import Insistence
 from agents.joint import JointAgent
 from studies.crew import PERIOD
@@ -11,29 +12,31 @@ MISSING = np.array([0.03, -0.04, 0.0])
 def test_what_stays_missing_is_asked_for_half_as_much_again():
     insistence = Insistence(0.2)
     for _ in range(20):
-        more = insistence.after(MISSING, PERIOD)
+        more = insistence.after(tuple(MISSING), PERIOD)
     assert more == pytest.approx(MISSING / 2)
 
 
 def test_what_comes_and_goes_is_not_asked_for_again():
     insistence = Insistence(1.0)
     for tick in range(200):
-        more = insistence.after(MISSING * (-1) ** tick, PERIOD)
+        more = insistence.after(tuple(MISSING * (-1) ** tick), PERIOD)
     assert np.linalg.norm(more) < 0.1 * np.linalg.norm(MISSING)
 
 
 def test_no_more_is_asked_for_than_half_of_what_is_missing_now():
     insistence = Insistence(10.0)
-    insistence.after(MISSING, PERIOD)
-    assert insistence.after(MISSING / 100, PERIOD) == pytest.approx(MISSING / 200, rel=0.02)
-    assert not insistence.after(np.zeros(3), PERIOD).any()
+    insistence.after(tuple(MISSING), PERIOD)
+    more = insistence.after(tuple(MISSING / 100), PERIOD)
+    assert more == pytest.approx(MISSING / 200, rel=0.02)
+    assert not any(insistence.after((0.0, 0.0, 0.0), PERIOD))
 
 
 def test_one_arm_insists_like_many():
     alone, many = Insistence(0.2), Insistence(0.2)
     for shift in (MISSING, 2 * MISSING, -MISSING):
-        expected = alone.after(shift, PERIOD)
-        assert many.after(np.stack([shift, shift]), PERIOD)[1] == pytest.approx(expected)
+        expected = alone.after(parts(shift), PERIOD)
+        more = many.after(parts(np.stack([shift, shift])), PERIOD)
+        assert np.stack(more)[:, 1] == pytest.approx(expected)
 
 
 def test_a_joint_turns_slowly_when_the_hand_is_near(body, percepts):
