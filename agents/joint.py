@@ -58,14 +58,15 @@ class JointAgent(Agent):
         self.sees = self._sight.sees | {"goal"}
         self._may_fail = perception == "auto"  # the model, while there is something else to go by
         horizon = max(horizon, 1.5 * body.period)
-        self.rest = REST * horizon
         self._by_model: Law
         self._by_eye: Law
         if law == "fixed-step":
+            self.rest = 0.0  # a step is for a period
             speed = step / body.period
             self._by_model = StepByModel(self._joint, speed=speed, period=body.period)
             self._by_eye = StepByEye(speed)
         else:
+            self.rest = REST * horizon
             plain_line = LineByModel if body.robot.drive is None else CarriedLineByModel
             line = plain_line if law == "line" else EvenLineByModel
             self._by_model = line(
