@@ -18,7 +18,8 @@ def answer_times(curves: Mapping[str, Mapping[str, Sequence[float]]], file: Path
     figure, panels = sheet(3.2 * len(curves), 3.4, 1, len(curves))
     for axis, (rate, sides) in zip(panels, curves.items(), strict=True):
         for (name, curve), colour, dash in zip(sides.items(), COLOURS, DASHES, strict=False):
-            axis.plot([1e3 * each for each in curve], range(101), dash, color=colour, label=name)
+            times = [1e3 * each for each in curve]
+            axis.plot(times, range(101), linestyle=dash, color=colour, label=name)
         axis.set(xscale="log", xlabel="answer time [ms]", title=rate)
         _plain_numbers(axis.xaxis)
     panels[0].set(ylabel="share of the answers [%]")
@@ -44,9 +45,10 @@ def growth(sides: Mapping[str, Sequence[Mapping[str, Any]]], file: Path) -> Path
     for (name, runs), colour, dash in zip(sides.items(), COLOURS, DASHES, strict=False):
         joints = [run["joints"] for run in runs]
         if any(run["cpu"] for run in runs):
-            left.plot(joints, [run["cpu"] for run in runs], dash, color=colour, marker="o")
+            cores = [run["cpu"] for run in runs]
+            left.plot(joints, cores, linestyle=dash, color=colour, marker="o")
         times = [1e3 * run["p99"] for run in runs]
-        right.plot(joints, times, dash, color=colour, marker="o", label=name)
+        right.plot(joints, times, linestyle=dash, color=colour, marker="o", label=name)
     left.set(xlabel="joints", ylabel="all processes [cores]", xscale="log", yscale="log")
     right.set(xlabel="joints", ylabel="answers, 99th percentile [ms]", xscale="log")
     for axis in (left.xaxis, left.yaxis, right.xaxis):

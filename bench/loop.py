@@ -25,8 +25,10 @@ RATES = {17: 5.0, 100: 4.0, 500: 8.0, 1000: 6.0, 2000: 3.0}
 """Rate [Hz] to how long it is measured in each round [s]."""
 ROUNDS = 3
 LIMITED = (500, 1000)
-"""Rates [Hz] at which the limit is measured too: those of the bars on time and processors."""
+"""Rates [Hz] at which there are more sides: those of the bars on time and processors."""
 OURS, PLAIN, LIMIT = "msma", "plain Zenoh", "plain Zenoh that reads and decides"
+EAGER = "msma, deciding on every state"
+"""Ours again without `Agent.rest`: what that saves."""
 AMID, AMID_RATE = "msma, other programs on all cores", 500
 """Ours again at that rate [Hz], beside as many programs as there are cores, none of which rests."""
 _THOUGHTS = 500  # in a row
@@ -49,45 +51,17 @@ class LoopBench(Bench):
     def measure(self, size: float, watch: Watch) -> Result:
         """Measure all sides in turn at each rate."""
         rounds = max(round(self._rounds * min(4 * size, 1)), 1)
-        sides_at = {rate: 2 + (rate in LIMITED) + (rate == AMID_RATE) for rate in self._rates}
-        watch.expect(rounds * sum(sides_at.values()))
+        off: dict[int, list[float]] = {rate: [] for rate in self._rates}
+        sides = {
+            rate: _sides(rate, max(full * size, 1.0), off[rate], watch)
+            for rate, full in self._rates.items()
+        }
+        watch.expect(rounds * sum(len(at_rate) for at_rate in sides.values()))
         checks: list[Check] = []
         found: dict[int, Runs] = {}
-        for rate, full in self._rates.items():
-            seconds = max(full * size, 1.0)
-            off: list[float] = []
-
-            def ours(
-                rate: int = rate, seconds: float = seconds, off: list[float] = off
-            ) -> Measured:
-                watch.at(f"{rate} Hz, {OURS}")
-                period = "60 ms" if rate == 17 else f"{1e3 / rate:g} ms"
-                name = f"robot=bench-loop-{rate}"
-                told = run_ours(
-                    deployed(ARPH, name, f"period={period}", "plant.hold=240 ms"), seconds
-                )
-                off.append(told.error)
-                return told.measured
-
-            def plain(rate: int = rate, seconds: float = seconds) -> Measured:
-                watch.at(f"{rate} Hz, {PLAIN}")
-                return run_plain(1 / 0.06 if rate == 17 else rate, seconds)
-
-            def limit(rate: int = rate, seconds: float = seconds) -> Measured:
-                watch.at(f"{rate} Hz, {LIMIT}")
-                return run_plain(rate, seconds, decides=True)
-
-            def amid(ours: Callable[[], Measured] = ours) -> Measured:
-                with busy_cores():
-                    return ours()
-
-            sides: dict[str, Callable[[], Measured]] = {OURS: ours, PLAIN: plain}
-            if rate in LIMITED:
-                sides[LIMIT] = limit
-            if rate == AMID_RATE:
-                sides[AMID] = amid
-            found[rate] = in_turn(sides, rounds)
-            checks += _checks(rate, found[rate], max(off))
+        for rate in self._rates:
+            found[rate] = in_turn(sides[rate], rounds)
+            checks += _checks(rate, found[rate], max(off[rate]))
         return Result(
             checks=tuple(checks),
             bars=tuple(bars(found)),
@@ -120,6 +94,46 @@ class LoopBench(Bench):
             for rate, sides in result.data.items()
         }
         return (answer_times(curves, folder / "loop.png"),)
+
+
+def _sides(
+    rate: int, seconds: float, off: list[float], watch: Watch
+) -> dict[str, Callable[[], Measured]]:
+    """Return what measures each side at a rate [Hz], for so long [s].
+
+    off: where to say how far off its goal our hand was at worst [m]
+    """
+
+    def ours(*, eager: bool = False) -> Measured:
+        period = "60 ms" if rate == 17 else f"{1e3 / rate:g} ms"
+        name = f"robot=bench-loop-{rate}"
+        deployment = deployed(ARPH, name, f"period={period}", "plant.hold=240 ms")
+        told = run_ours(deployment, seconds, eager=eager)
+        off.append(told.error)
+        return told.measured
+
+    def amid() -> Measured:
+        with busy_cores():
+            return ours()
+
+    def shown(side: str, measure: Callable[[], Measured]) -> Callable[[], Measured]:
+        def go() -> Measured:
+            watch.at(f"{rate} Hz, {side}")
+            return measure()
+
+        return go
+
+    hertz = 1 / 0.06 if rate == 17 else rate
+    sides: dict[str, Callable[[], Measured]] = {
+        OURS: ours,
+        PLAIN: lambda: run_plain(hertz, seconds),
+    }
+    if rate in LIMITED:
+        sides[LIMIT] = lambda: run_plain(hertz, seconds, decides=True)
+        sides[EAGER] = lambda: ours(eager=True)
+    if rate == AMID_RATE:
+        sides[AMID] = amid
+    return {side: shown(side, measure) for side, measure in sides.items()}
 
 
 def run_plain(rate: float, seconds: float, *, decides: bool = False) -> Measured:
@@ -239,7 +253,7 @@ def _costs(found: Mapping[int, Runs]) -> Table:
 
 
 def thoughts(found: Mapping[int, Runs]) -> list[Table]:
-    """Return what reading, deciding and telling take alone, and once a tick among all others."""
+    """Return what reading, deciding and telling take a tick, alone and among all others."""
     rates = [rate for rate in found if rate in LIMITED]
     rows = []
     for role in (ROLES[0], *AGENTS) if rates else ():
@@ -254,7 +268,11 @@ def thoughts(found: Mapping[int, Runs]) -> list[Table]:
         alone = _alone(thought_of(role, 1 / max(rates)))
         rows.append((role, f"{1e6 * alone:.0f}", *(f"{1e6 * each:.0f}" for each in more)))
     head = ("process", "again and again, alone", *(f"at {rate} Hz, among all" for rate in rates))
-    return [Table("one thought, in us of a processor", head, tuple(rows))] if rates else []
+    return (
+        [Table("reading, thinking and writing, in us of a processor a tick", head, tuple(rows))]
+        if rates
+        else []
+    )
 
 
 def _alone(think: Callable[[], object]) -> float:
@@ -272,13 +290,16 @@ NOTES = (
     "are of all their ticks, ratios are of the two sides in the same round (least to most).",
     "Plain Zenoh has the same sessions, keys, sizes and number of processes; its agents send the "
     "number of the tick back and do nothing else.",
-    "Plain Zenoh that reads and decides does in each agent what our agent's law does for one "
-    "decision, on percepts that were recorded, and a step of the simulation in the plant, and each "
-    "reads and writes the messages of the wire contract that this takes at the least. So it is "
-    "what is to be had for as many processes with these laws and messages. Ours hold each message "
-    "against who else speaks in that role, put percepts together and log, too; but decide in the "
-    "thread that receives, which an echo does not. What it takes more of a processor per tick than "
-    "the plain echo is one thought among all.",
+    "Our agents answer every state, and decide 100 times a second at most: in between they answer "
+    "with what they decided last, for within a twelfth of its horizon their law comes to the same. "
+    f"'{EAGER}' has that left out.",
+    "Plain Zenoh that reads and decides does in each agent what our agent's law does for a "
+    "decision, as often as ours, on percepts that were recorded, and a step of the simulation in "
+    "the plant, and each reads and writes the messages of the wire contract that this takes at the "
+    "least. So it is what is to be had for as many processes with these laws and messages. Ours "
+    "hold each message against who else speaks in that role, put percepts together and log, too; "
+    "but decide in the thread that receives, which an echo does not. What it takes more of a "
+    "processor per tick than the plain echo is what it reads, thinks and writes among all others.",
     "All processes of all sides ask to be scheduled in real time, as ours do in a launch. Where "
     "that is not granted, programs on all cores hold a robot up.",
     "A tick counts as answered in time when the commands of all seven have arrived within its "

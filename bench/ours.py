@@ -37,8 +37,12 @@ def deployed(file: Path, *overrides: str) -> Deployment:
     return load(file, made)
 
 
-def run_ours(deployment: Deployment, seconds: float) -> OurRun:
-    """Start all processes of a deployment and measure for `seconds` [s]."""
+def run_ours(deployment: Deployment, seconds: float, *, eager: bool = False) -> OurRun:
+    """Start all processes of a deployment and measure for `seconds` [s].
+
+    eager: the agents decide on every state, of use or not
+    """
+    agents = {spec.role for spec in deployment.agents}
     with tempfile.TemporaryDirectory(prefix="msma-bench-") as place:
         folder = Path(place)
         file = folder / "deployment.yaml"
@@ -46,7 +50,9 @@ def run_ours(deployment: Deployment, seconds: float) -> OurRun:
         said = folder / "said"
         commands = {keys.PLANT: ["bench.probe", str(file), place, f"{seconds:g}"]}
         for role in deployment.roles:
-            if role != keys.PLANT:
+            if eager and role in agents:
+                commands[role] = ["bench.eager", str(file), role, place]
+            elif role != keys.PLANT:
                 commands[role] = ["runtime.cli", "agent", str(file), role, "--run", place]
         measured = run(commands, seconds, errors=said)
         record = read_record(folder)

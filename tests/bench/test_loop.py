@@ -25,6 +25,7 @@ from bench.echo.side import Measured, run
 from bench.loop import (
     AMID,
     AMID_RATE,
+    EAGER,
     LIMIT,
     OURS,
     PLAIN,
@@ -85,14 +86,14 @@ def test_all_sides_answer_and_are_weighed(tmp_path: Path) -> None:
     result = bench.measure(1.0, Watch())
     assert result.sound, result.checks
     sides = result.data[str(AMID_RATE)]
-    assert set(sides) == {OURS, PLAIN, LIMIT, AMID}
+    assert set(sides) == {OURS, PLAIN, LIMIT, EAGER, AMID}
     for (found,) in sides.values():
         assert found["ticks"]["ticks"] + found["ticks"]["missed"] == AMID_RATE
         assert all(found["ticks"]["heard"].values())
         assert set(found["usage"]) == set(ROLES)
         assert all(usage["pss"] > 1e6 for usage in found["usage"].values())
     times, costs, _ = result.tables
-    assert len(times.rows) == len(costs.rows) == 4
+    assert len(times.rows) == len(costs.rows) == 5
     (picture,) = bench.draw(result, tmp_path)
     assert picture.stat().st_size > 5000
 
