@@ -3,7 +3,7 @@
 import random
 import time
 import traceback
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from math import isfinite
 
 import numpy as np
@@ -12,25 +12,20 @@ from agents.agent import Agent, Array, Percepts
 from runtime.processes.backlog import Backlog
 from runtime.processes.cadence import Cadence
 from runtime.processes.process import Loop, Process
-from runtime.processes.senses import LATELY, Senses
+from runtime.processes.senses import Senses
 from runtime.wire import keys
 from runtime.wire.arrival import Arrival
 from runtime.wire.messages import JointCommand, PlatformCommand
 
 _PAUSE = 0.1  # of a period, without which a state has waited for the agent
 _AT_ONCE = 16  # messages of one kind that are looked at before a decision, however many wait
+_POSES = 3  # of the hand and of the platform that are kept for one: it is of one moment
+_BLINK = 0.02  # [s] at least between two looks for a hand while no joint states come
 
 
 def freshness(period: float, speed: float) -> float:
     """Return how long state is worth perceiving [s], for a plant's `period` [s] and speed."""
     return max(3 * period / speed, 0.05)
-
-
-def _board(sees: frozenset[str]) -> str:
-    """Return the key expression on which the plant tells what an agent reacts to."""
-    if "hand" not in sees:
-        return keys.JOINTS
-    return keys.BLACKBOARD if "joints" in sees else keys.HAND
 
 
 class AgentLoop(Loop):
@@ -55,14 +50,23 @@ class AgentLoop(Loop):
         self._cadence = Cadence(agent.rest, random.random())
         self._wanted: Array | float | None = None
         self._done, self._paused = 0.0, False
-        self._others = [bus.ring(key) for key in keys.GOALS if "goal" in agent.sees]
-        if "base" in agent.sees:
-            self._others.append(bus.ring(keys.PLATFORM, depth=LATELY))
+        sees = agent.sees
+        self._others = [bus.ring(key) for key in keys.GOALS if "goal" in sees]
+        if "base" in sees:
+            self._others.append(bus.ring(keys.PLATFORM, depth=_POSES))
+        silence = None
+        if {
+            "joints",
+            "hand",
+        } <= sees:  # the joint states, which come last, or the hand if they fail
+            self._others.append(bus.ring(keys.HAND, depth=_POSES))
+            silence = max(deployment.period / deployment.speed, _BLINK)
         command = keys.PLATFORM_COMMAND
         if self._joint is not None:
             command = keys.joint_command(self._joint + 1)
         self._out = bus.publisher(command)
-        self._board = bus.reflex(_board(agent.sees), self._perceive)
+        board = keys.JOINTS if "joints" in sees or "hand" not in sees else keys.HAND
+        self._board = bus.reflex(board, self._perceive, silence)
 
     @property
     def perception(self) -> str:
@@ -74,11 +78,14 @@ class AgentLoop(Loop):
         self._board.run()
 
     def _perceive(self, arrivals: Sequence[Arrival]) -> None:
-        """Take what came, and answer if it calls for that and no newer state waits behind it."""
+        """Take what came, and answer if it calls for that and no newer state waits behind it.
+
+        If nothing came for a while it looks for what else there may be to go by.
+        """
         now = time.monotonic()
         self._paused = self._paused or now - self._done > self._pause
         due = False
-        for arrival in arrivals:
+        for arrival in arrivals or self._lately():
             due = self._senses.take(arrival, now) or due
         if due:
             waited = len(arrivals) == 1 and not self._paused
@@ -104,10 +111,14 @@ class AgentLoop(Loop):
             self._tell(t, self._wanted)
 
     def _percepts(self, now: float) -> Percepts | None:
-        for ring in self._others:
-            for arrival in ring.waiting(_AT_ONCE):
-                self._senses.take(arrival, now)
+        for arrival in self._lately():
+            self._senses.take(arrival, now)
         return self._senses.percepts(now)
+
+    def _lately(self) -> Iterator[Arrival]:
+        """Yield what came of the kinds that are of use to a decision only."""
+        for ring in self._others:
+            yield from ring.waiting(_AT_ONCE)
 
     def _decided(self, percepts: Percepts) -> Array | float | None:
         """Return the velocity wanted; None if the agent wants nothing, or fails."""

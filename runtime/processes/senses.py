@@ -18,8 +18,6 @@ from runtime.wire.refusals import Reason, Refusals
 S = TypeVar("S", HandPose, JointStates, PlatformPose)
 _KEPT = 6
 """How many of each kind are kept, to find those that belong together."""
-LATELY = 3
-"""How many of what is of use to a decision only need be kept until there is one."""
 
 
 class Senses:
@@ -50,7 +48,6 @@ class Senses:
         self._bases: deque[PlatformPose] = deque(maxlen=_KEPT)
         self._refusals = refusals
         self._goal_known: tuple[GoalMessage, Goal] | None = None
-        self._glimpses: deque[tuple[float, Arrival]] = deque(maxlen=LATELY)  # not read yet
         self.t = 0.0
 
     def take(self, arrival: Arrival, now: float) -> bool:
@@ -63,8 +60,8 @@ class Senses:
             case keys.JOINTS:
                 return self._calls(self._keep(self._joints.take(arrival.data, now), self._states))
             case keys.HAND:
-                self._glimpses.append((now, arrival))
-                return self._joints.fresh(now) is None and self._calls(self._look())
+                seen = self._keep(self._hand.take(arrival.data, now), self._hands)
+                return self._joints.fresh(now) is None and self._calls(seen)
             case keys.PLATFORM:
                 self._keep(self._base.take(arrival.data, now), self._bases)
             case keys.GOAL | keys.KNOWN_GOAL:
@@ -78,14 +75,6 @@ class Senses:
             kept.append(message)
         return message
 
-    def _look(self) -> HandPose | None:
-        """Take what came of the hand lately; return the last of it that was not refused."""
-        seen = None
-        while self._glimpses:
-            arrived, glimpse = self._glimpses.popleft()
-            seen = self._keep(self._hand.take(glimpse.data, arrived), self._hands) or seen
-        return seen
-
     def _calls(self, message: HandPose | JointStates | None) -> bool:
         if message is None:
             return False
@@ -94,7 +83,6 @@ class Senses:
 
     def percepts(self, now: float) -> Percepts | None:
         """Return what is fresh `now` [s], and the goal, which never goes stale; None if blind."""
-        self._look()
         hand, states = self._hand.fresh(now), self._joints.fresh(now)
         base = self._base.fresh(now)
         if hand is None and states is None:

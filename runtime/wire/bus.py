@@ -167,9 +167,14 @@ class Bus:
             self._session.declare_subscriber(expression, directly(tray.put))
         return tray
 
-    def reflex(self, expression: str, react: Callable[[Sequence[Arrival]], None]) -> Reflex:
-        """Return what reacts to each message on a key expression, once it runs."""
-        reflex = Reflex(react)
+    def reflex(
+        self,
+        expression: str,
+        react: Callable[[Sequence[Arrival]], None],
+        silence: float | None = None,
+    ) -> Reflex:
+        """Return what reacts to each message on a key expression, and to silence, once it runs."""
+        reflex = Reflex(react, silence)
         self._session.declare_subscriber(expression, directly(reflex.put))
         self._reflexes.append(reflex)
         return reflex

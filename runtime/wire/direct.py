@@ -61,10 +61,14 @@ class Reflex:
     called `run`, each to all messages that wait by then, and the bus is not held up.
 
     react: called with what came, the oldest first; never by two threads at once
+    silence: if nothing comes for so long [s] it is called as well, with nothing; None: never
     """
 
-    def __init__(self, react: Callable[[Sequence[Arrival]], None]) -> None:
-        self._react = react
+    def __init__(
+        self, react: Callable[[Sequence[Arrival]], None], silence: float | None = None
+    ) -> None:
+        self._react, self._silence = react, silence
+        self._heard = False  # anything since it was looked whether there is silence
         self._busy = threading.Lock()
         self._awake = threading.Event()
         self._waiting: deque[Arrival] = deque(maxlen=_AT_ONCE)
@@ -75,6 +79,7 @@ class Reflex:
 
     def put(self, sample: zenoh.Sample) -> None:
         """Take a sample from the bus's thread."""
+        self._heard = True
         if self._leaves:
             self._waiting.append(arrival_of(sample))
             self._awake.set()
@@ -93,12 +98,14 @@ class Reflex:
         """Let it react until the bus is closed; raises what a reaction raises."""
         self._leaves = False
         while not self._closed:
-            self._awake.wait()
+            silent = not self._awake.wait(self._silence) and not self._heard
+            self._heard = False
             self._awake.clear()
             if self._error is not None:
                 raise self._error
             with self._busy:
-                if waiting := [self._waiting.popleft() for _ in range(len(self._waiting))]:
+                waiting = [self._waiting.popleft() for _ in range(len(self._waiting))]
+                if waiting or silent:
                     self._react(waiting)
 
     def close(self) -> None:

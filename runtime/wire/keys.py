@@ -18,8 +18,6 @@ from runtime.wire.messages import (
 
 HAND = "arm/ee_pose"
 JOINTS = "arm/joint_states"
-BLACKBOARD = "arm/*"
-"""Both of the above, and neither of the commands."""
 PLATFORM = "platform/pose"
 PLATFORM_COMMAND = "platform/cmd"
 GOAL = "goal"

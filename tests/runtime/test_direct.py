@@ -110,3 +110,24 @@ def test_nothing_is_reacted_to_before_the_loop_runs(pair: Pair) -> None:
     wait_for(lambda: threads[:1] == [thread.ident], "a reaction to what came before")
     pair.there.close()
     thread.join(5.0)
+
+
+def test_silence_is_reacted_to_as_well_and_only_that(pair: Pair) -> None:
+    came: list[int] = []
+    reflex = pair.there.reflex(KEY, lambda arrivals: came.append(len(arrivals)), silence=0.2)
+    thread = begin(reflex)
+    wait_for(lambda: came == [0, 0], "two reactions to nothing")
+    publisher = pair.here.publisher(KEY)
+    pair.sends_until(lambda: 1 in came, "a message")
+    del came[:]
+
+    def often() -> bool:
+        publisher.send(JointCommand(1.0, 0.5))
+        return len(came) >= 100
+
+    wait_for(often, "many messages")
+    assert 0 not in came, "it was never silent for so long"
+    wait_for(lambda: came[-1] == 0, "silence again")
+    pair.there.close()
+    thread.join(5.0)
+    assert not thread.is_alive()

@@ -1,5 +1,4 @@
 import pytest
-import zenoh
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -29,13 +28,6 @@ def test_a_token_says_who_is_alive(role: str, incarnation: int) -> None:
 @given(st.text())
 def test_any_other_token_says_nothing(key: str) -> None:
     assert keys.who_is_alive(key) is None
-
-
-def test_the_blackboard_holds_what_the_plant_tells_of_the_arm_and_no_commands() -> None:
-    blackboard = zenoh.KeyExpr(keys.BLACKBOARD)
-    assert blackboard.includes(zenoh.KeyExpr(keys.HAND))
-    assert blackboard.includes(zenoh.KeyExpr(keys.JOINTS))
-    assert not blackboard.intersects(zenoh.KeyExpr(keys.joint_command(1)))
 
 
 def test_each_key_has_its_kind_of_message() -> None:

@@ -11,7 +11,15 @@ from typing import Any
 import pytest
 
 from runtime.wire import keys
-from runtime.wire.messages import Diag, GoalMessage, HandPose, JointCommand, JointStates, unpack
+from runtime.wire.messages import (
+    Diag,
+    GoalMessage,
+    HandPose,
+    JointCommand,
+    JointStates,
+    PlatformPose,
+    unpack,
+)
 from tests.runtime.conftest import Crew, wait_for
 
 ARM = ("joint/1", "joint/2", "joint/3")
@@ -252,6 +260,32 @@ def test_a_lost_encoder_leaves_the_others_sighted(crew: Crew) -> None:
         return states if math.isnan(states.position[1]) else None
 
     assert math.isfinite(wait_for(look, "a lost encoder").position[0])
+
+
+def test_who_hears_no_joint_states_goes_by_the_hand_alone(crew: Crew) -> None:
+    crew.start("joint/2")
+    bus = crew.visit()
+    hand, goal = bus.publisher(keys.HAND), bus.publisher(keys.GOAL)
+    joints, ring = bus.publisher(keys.JOINTS), bus.ring(keys.joint_command(2))
+    base = bus.publisher(keys.PLATFORM)
+    tick = 0
+
+    def tells(*, encoders: bool) -> bool:
+        """Tell of a hand that is as far off as always, and tell whether there is an answer."""
+        nonlocal tick
+        t = 0.02 * tick
+        tick += 1
+        time.sleep(0.02)  # a period
+        goal.send(GoalMessage(t, (1.0, 0.0, 0.5), (0.0, 0.0, 0.0), 0.0, 0.0))
+        base.send(PlatformPose(t, 0.0, 0.0, 0.0))
+        hand.send(HandPose(t, (0.5, 0.1, 0.8), (0.0, 0.0, 0.0, 1.0)))
+        if encoders:
+            joints.send(JointStates(t, (0.1,) * 6, (0.0,) * 6))
+        return any(unpack(JointCommand, each.data).t == t for each in ring.waiting(8))
+
+    wait_for(lambda: any(tells(encoders=True) for _ in range(5)), "an answer to the joint states")
+    wait_for(lambda: any(tells(encoders=False) for _ in range(5)), "an answer to the hand")
+    crew.until(bus, "joint/2", lambda diag: diag.perception == "localiser", "goes by the hand")
 
 
 def test_a_process_started_by_hand_logs_in_the_folder_of_the_run(crew: Crew) -> None:

@@ -155,26 +155,6 @@ def test_of_another_process_no_older_word_is_taken(agent: Agent) -> None:
     assert percepts.base[0] == 2.0
 
 
-def test_of_the_hand_only_the_latest_are_read_and_when_a_decision_is_made(agent: Agent) -> None:
-    agent.hears(STATES._replace(t=0.0), 10.0)
-    for tick in range(1, 10):
-        agent.senses.take(Arrival(keys.HAND, b"nonsense"), 10.0)
-        assert not agent.hears(POSE._replace(t=0.001 * tick), 10.0 + 0.001 * tick)
-    assert agent.refusals.table() == {}
-    agent.hears(STATES._replace(t=0.001 * 9), 10.009)
-    percepts = agent.sees(10.009)
-    assert percepts.t == 0.001 * 9
-    assert percepts.hand is not None
-    assert agent.refusals.table() == {keys.HAND: {Reason.NOT_MSGPACK: 1}}
-
-
-def test_a_hand_that_was_told_of_long_ago_is_not_fresh_for_being_read_now(agent: Agent) -> None:
-    agent.hears(STATES, 10.0)
-    agent.hears(POSE, 10.0)
-    agent.hears(STATES._replace(t=1.3), 10.3)
-    assert agent.sees(10.3).hand is None
-
-
 def test_without_joint_states_every_sight_of_the_hand_counts(agent: Agent) -> None:
     for tick in range(3):
         at = 10 + 0.02 * tick
