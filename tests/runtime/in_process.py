@@ -1,0 +1,32 @@
+"""An agent in this process beside a plant in one of its own, so that a test can look at it."""
+
+import threading
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+
+from agents.agent import Agent
+from runtime.config.deployment import load
+from runtime.config.overrides import Override
+from runtime.processes.agent_process import AgentLoop
+from runtime.processes.process import Process
+from tests.runtime.conftest import Crew
+
+
+def live_as_joint_1(crew: Crew, agent: Agent, period: str, meanwhile: Callable[[], object]) -> None:
+    """Start a plant, and let the agent live beside it until `meanwhile` returns."""
+    wanted = {"robot": crew.robot, "port": f"{crew.port}", "period": period}
+    deployment = load(crew.file, [Override("here", *item) for item in wanted.items()])
+    member = next(one for one in deployment.crew if one.role == "joint/1")
+    crew.options += ["--set", f"period={period}"]
+    crew.start("plant")
+
+    def live() -> None:
+        with Process(deployment, member, crew.file, crew.run) as process:
+            thread = threading.Thread(target=AgentLoop(process, agent).run)
+            thread.start()
+            meanwhile()
+            process.bus.close()
+            thread.join(5.0)
+
+    with ThreadPoolExecutor(1) as own:  # since how a process is scheduled is a thread's affair
+        own.submit(live).result()
