@@ -19,7 +19,6 @@ from runtime.wire.messages import JointCommand, PlatformCommand
 
 _PAUSE = 0.1  # of a period, without which a state has waited for the agent
 _AT_ONCE = 16  # messages of one kind that are looked at before a decision, however many wait
-_POSES = 3  # of the hand and of the platform that are kept for one: it is of one moment
 _BLINK = 0.02  # [s] at least between two looks for a hand while no joint states come
 
 
@@ -53,13 +52,13 @@ class AgentLoop(Loop):
         sees = agent.sees
         self._others = [bus.ring(key) for key in keys.GOALS if "goal" in sees]
         if "base" in sees:
-            self._others.append(bus.ring(keys.PLATFORM, depth=_POSES))
+            self._others.append(bus.ring(keys.PLATFORM))
         silence = None
         if {
             "joints",
             "hand",
         } <= sees:  # the joint states, which come last, or the hand if they fail
-            self._others.append(bus.ring(keys.HAND, depth=_POSES))
+            self._others.append(bus.ring(keys.HAND))
             silence = max(deployment.period / deployment.speed, _BLINK)
         command = keys.PLATFORM_COMMAND
         if self._joint is not None:
