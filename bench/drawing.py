@@ -23,8 +23,8 @@ def answer_times(curves: Mapping[str, Mapping[str, Sequence[float]]], file: Path
         axis.set(xscale="log", xlabel="answer time [ms]", title=rate)
         _plain_numbers(axis.xaxis)
     panels[0].set(ylabel="share of the answers [%]")
-    all_sides = max(zip(curves.values(), panels, strict=True), key=lambda pair: len(pair[0]))
-    all_sides[1].legend(fontsize=7)
+    _, panel = max(zip(curves.values(), panels, strict=True), key=lambda pair: len(pair[0]))
+    figure.legend(*panel.get_legend_handles_labels(), loc="outside lower center", ncols=5)
     return save(figure, file)
 
 

@@ -2,6 +2,7 @@
 
 import gc
 import os
+import random
 import secrets
 import signal
 import socket
@@ -152,7 +153,9 @@ class Process:
         publisher = self.bus.publisher(keys.diag(self.role), urgent=False, express=False)
         rate = Rate(time.monotonic())
         looks = 0
-        while not self.ending.wait(_CHECK):
+        pause = random.uniform(0.0, _CHECK)  # or all that began together would do this at once
+        while not self.ending.wait(pause):
+            pause = _CHECK
             let_go()
             now = time.monotonic()
             if self.life and self.life.over(now):
