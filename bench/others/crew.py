@@ -45,6 +45,7 @@ class Crew:
         self._players: dict[str, subprocess.Popen[bytes]] = {}
         self.env = {key: text for key, text in os.environ.items() if key != "PYTHONPATH"}
         self.env["PATH"] = f"{python.parent}{os.pathsep}{self.env.get('PATH', '')}"
+        self.env["VIRTUAL_ENV"] = str(python.parents[1])  # some take the Python of that, not PATH's
         self.env[PLACE] = str(self.place)
         os.mkfifo(self.place / "said")
         # opened for both, so that it neither waits for who writes nor ends when that one does

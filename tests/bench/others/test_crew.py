@@ -102,3 +102,13 @@ def test_in_the_dataflow_every_input_is_an_output_of_another_node() -> None:
             assert source != node["id"]
     assert len(nodes["plant"]["inputs"]) == len(AGENTS)
     assert len(nodes["joint-1"]["inputs"]) == len(STATES) + 1
+
+
+def test_a_system_runs_in_its_own_environment_whichever_one_is_active(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("VIRTUAL_ENV", "/somewhere/else")
+    python = tmp_path / "bin" / "python"
+    with Crew(python, SIDE, rate=100, seconds=1.0) as crew:
+        assert crew.env["VIRTUAL_ENV"] == str(tmp_path)
+        assert crew.env["PATH"].startswith(f"{python.parent}:")
