@@ -24,8 +24,8 @@ class Bend:
     STOPPING = 0.3  # [s] in which it comes to rest short of straight
 
     def __init__(self, least: float) -> None:
-        """Keep at least that angle off straight [rad]; 0 keeps nothing."""
-        self.least = least
+        """Keep at least that angle off straight [rad]."""
+        self._least = least
         self._best = cast("Array", inf)
         self._since = cast("Array", 0.0)
 
@@ -41,6 +41,6 @@ class Bend:
         share = greater((distance - self.NEAR) / (self.FAR - self.NEAR), 0.0)
         patience = self.PATIENCE * lesser(share, 1.0) ** 2
         side = where(angle < 0, -1.0, 1.0)
-        room = greater(side * angle - self.least, 0.0)
+        room = greater(side * angle - self._least, 0.0)
         kept = side * greater(side * velocity, -room / self.STOPPING)
         return where(t - self._since < patience, kept, velocity)

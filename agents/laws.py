@@ -65,7 +65,7 @@ class LineByModel(Law):
         self._memory = memory
         self._elapsed = Elapsed(body.period, horizon)
         self._gain = self.GAIN(gain, max(gain, self.MOST))
-        self._bend = Bend(bend)
+        self._bend = Bend(bend) if bend else None
         self._seen = SeenVelocity()
 
     def velocity(self, t: float, view: View, own: Own | None, goal: Goal) -> Array:
@@ -85,7 +85,7 @@ class LineByModel(Law):
         fading = (1 - lasting) * (1 - exp(-elapsed / self._memory))
         velocity = own.speed * (1 - fading) + self._gain.after(turn) * turn / self._horizon
         velocity = self.paced(velocity, hand, place, going)
-        if self._bend.least == 0:
+        if self._bend is None:
             return velocity
         far = sqrt(squared_length(between(hand, place)))
         bent = self._bend.limited(t, own.angle, velocity, far)

@@ -255,8 +255,10 @@ def _costs(found: Mapping[int, Runs]) -> Table:
 def thoughts(found: Mapping[int, Runs]) -> list[Table]:
     """Return what reading, deciding and telling take a tick, alone and among all others."""
     rates = [rate for rate in found if rate in LIMITED]
+    if not rates:
+        return []
     rows = []
-    for role in (ROLES[0], *AGENTS) if rates else ():
+    for role in (ROLES[0], *AGENTS):
         more = [
             median(
                 with_it.usage[role].cpu - without.usage[role].cpu
@@ -268,11 +270,7 @@ def thoughts(found: Mapping[int, Runs]) -> list[Table]:
         alone = _alone(thought_of(role, 1 / max(rates)))
         rows.append((role, f"{1e6 * alone:.0f}", *(f"{1e6 * each:.0f}" for each in more)))
     head = ("process", "again and again, alone", *(f"at {rate} Hz, among all" for rate in rates))
-    return (
-        [Table("reading, thinking and writing, in us of a processor a tick", head, tuple(rows))]
-        if rates
-        else []
-    )
+    return [Table("reading, thinking and writing, in us of a processor a tick", head, tuple(rows))]
 
 
 def _alone(think: Callable[[], object]) -> float:

@@ -12,7 +12,7 @@ import sys  # noqa: E402
 from pathlib import Path  # noqa: E402
 
 from agents.agent import Agent, Array, Percepts  # noqa: E402
-from runtime.config.deployment import load  # noqa: E402
+from runtime.config.deployment import Member, load  # noqa: E402
 from runtime.processes.agent_process import AgentLoop  # noqa: E402
 from runtime.processes.process import Process  # noqa: E402
 
@@ -45,7 +45,7 @@ def main() -> int:
     file, role, run = sys.argv[1:]
     times = {"began": began, "imported": imported}
     deployment = load(file, only_role=role)
-    member = next(each for each in deployment.crew if each.role == role)
+    member = Member(role, deployment.host_of(role))
     agent = deployment.build_agent(role)
     times["read"] = time.time()
     with Process(deployment, member, Path(file), Path(run)) as process:

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
 from agents.agent import Agent
-from runtime.config.deployment import load
+from runtime.config.deployment import Member, load
 from runtime.config.overrides import Override
 from runtime.processes.agent_process import AgentLoop
 from runtime.processes.process import Process
@@ -16,7 +16,7 @@ def live_as_joint_1(crew: Crew, agent: Agent, period: str, meanwhile: Callable[[
     """Start a plant, and let the agent live beside it until `meanwhile` returns."""
     wanted = {"robot": crew.robot, "port": f"{crew.port}", "period": period}
     deployment = load(crew.file, [Override("here", *item) for item in wanted.items()])
-    member = next(one for one in deployment.crew if one.role == "joint/1")
+    member = Member("joint/1", deployment.host_of("joint/1"))
     crew.options += ["--set", f"period={period}"]
     crew.start("plant")
 

@@ -268,23 +268,22 @@ def test_who_hears_no_joint_states_goes_by_the_hand_alone(crew: Crew) -> None:
     hand, goal = bus.publisher(keys.HAND), bus.publisher(keys.GOAL)
     joints, ring = bus.publisher(keys.JOINTS), bus.ring(keys.joint_command(2))
     base = bus.publisher(keys.PLATFORM)
-    tick = 0
+    t = 0.0
 
-    def tells(*, encoders: bool) -> bool:
-        """Tell of a hand that is as far off as always, and tell whether there is an answer."""
-        nonlocal tick
-        t = 0.02 * tick
-        tick += 1
-        time.sleep(0.02)  # a period
+    def answered(since: float, *, encoders: bool) -> bool:
+        """Tell of a hand that is as far off as always; tell whether what was told is answered."""
+        nonlocal t
+        t += 0.02
         goal.send(GoalMessage(t, (1.0, 0.0, 0.5), (0.0, 0.0, 0.0), 0.0, 0.0))
         base.send(PlatformPose(t, 0.0, 0.0, 0.0))
         hand.send(HandPose(t, (0.5, 0.1, 0.8), (0.0, 0.0, 0.0, 1.0)))
         if encoders:
             joints.send(JointStates(t, (0.1,) * 6, (0.0,) * 6))
-        return any(unpack(JointCommand, each.data).t == t for each in ring.waiting(8))
+        return any(unpack(JointCommand, each.data).t > since for each in ring.waiting(8))
 
-    wait_for(lambda: any(tells(encoders=True) for _ in range(5)), "an answer to the joint states")
-    wait_for(lambda: any(tells(encoders=False) for _ in range(5)), "an answer to the hand")
+    wait_for(lambda: answered(0.0, encoders=True), "an answer to the joint states")
+    last = t
+    wait_for(lambda: answered(last, encoders=False), "an answer to the hand")
     crew.until(bus, "joint/2", lambda diag: diag.perception == "localiser", "goes by the hand")
 
 
