@@ -5,7 +5,7 @@ from typing import cast
 import numpy as np
 
 from agents.agent import Array
-from agents.arithmetic import Parts, alike, between, greater, lesser, where
+from agents.arithmetic import Parts, alike, between, greater, lesser
 
 
 class EagerGain:
@@ -33,8 +33,8 @@ class EagerGain:
         before, self._wanted = self._wanted, wanted
         if before is not None and alike(before, wanted):
             left, whole = wanted * before, before * before
-            grown = where(left > self.SLOW * whole, self.GROWTH, 1.0)
-            factor = where(left < -self.OVERSHOT * whole, self.CUT, grown)
+            grows, overshot = left > self.SLOW * whole, left < -self.OVERSHOT * whole
+            factor = 1.0 + (self.GROWTH - 1.0) * grows + (self.CUT - 1.0) * overshot
             self._gain = lesser(greater(self._gain * factor, self._least), self._most)
         return self._gain
 

@@ -17,6 +17,8 @@ Mask = npt.NDArray[np.bool_]
 """Yes or no for each robot of a batch, or a plain bool where there is none."""
 Parts = tuple[Array, Array, Array]
 """x, y and z (...) of vectors (..., 3)."""
+AT_REST: Parts = (0.0, 0.0, 0.0)  # type: ignore[assignment]
+"""The velocity [m/s] of what stands still, for one or for many."""
 
 _MANY = np.ndarray
 # a float passes for an `Array` below by "type: ignore": `cast` is a call, and a decision has thirty
@@ -83,6 +85,7 @@ def squared_length(vector: Parts) -> Array:
 
 def known(values: Array) -> bool:
     """Tell whether all values (..., n) are numbers: one that is lost is NaN."""
+    values = values.T  # as the numbers of a batch lie in memory
     return not math.isnan(np.vdot(values, values))  # of a NaN and anything it is one
 
 

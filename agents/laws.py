@@ -8,9 +8,19 @@ import numpy as np
 
 from agents.adaptation import EagerGain, Elapsed, SeenVelocity
 from agents.agent import Array, Body, Goal
-from agents.arithmetic import Parts, between, moved, parts, row, sqrt, squared_length, where
+from agents.arithmetic import (
+    AT_REST,
+    Parts,
+    between,
+    moved,
+    parts,
+    row,
+    sqrt,
+    squared_length,
+    where,
+)
 from agents.bend import Bend
-from agents.sight import View
+from agents.sight import View, goal_parts
 from agents.stops import Stops
 from agents.turning import best_turn, turned
 from plant.kinematics import ArmPose
@@ -76,9 +86,8 @@ class LineByModel(Law):
         drift = self._seen.after(t, hand)
         ahead = hand if drift is None else moved(hand, drift, self._horizon)
         elapsed = self._elapsed.at(t)
-        place = moved(parts(goal.position), parts(goal.velocity), goal.moving(t))
-        going = parts(goal.velocity_at(t))
-        then = moved(place, going, self._horizon if goal.moves(t) else 0.0)
+        place, going = goal_parts(goal, t)
+        then = place if going is AT_REST else moved(place, going, self._horizon)
         aim = self.aim(then, ahead, elapsed)
         turn, lasting = self.toward(ahead, aim, view.arm, own.speed, going)
         turn = self._stops.turn(t, own.angle, turn)

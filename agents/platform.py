@@ -17,7 +17,6 @@ from agents.arithmetic import (
     joined,
     lesser,
     mixed,
-    moved,
     parts,
     ramp,
     sin,
@@ -28,7 +27,7 @@ from agents.arithmetic import (
 from agents.deadlock import Deadlock
 from agents.riding import Riding
 from agents.scene import COURSE_SPEED, FAR, Scene, level
-from agents.sight import Perception, Sight
+from agents.sight import Perception, Sight, goal_parts
 from agents.towing import Towing
 from agents.turning import wrapped
 from plant.kinematics import Kinematics
@@ -178,8 +177,8 @@ class PlatformAgent(Agent):
         self._heading = heading = self._heading + wrapped(told - self._heading)
         linear_x, linear_y, angular = _velocity(self._motion, t, (x, y, heading))
         hand_x, hand_y, hand_z = seen = parts(hand)
-        place = moved(parts(goal.position), parts(goal.velocity), goal.moving(t))
-        missing, going = between(seen, place), parts(goal.velocity_at(t))
+        place, going = goal_parts(goal, t)
+        missing = between(seen, place)
         ahead = cos(heading), sin(heading)
         return Scene(
             hand=(hand_x - x, hand_y - y, hand_z),

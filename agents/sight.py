@@ -1,12 +1,12 @@
-"""How an agent sees the hand: by the blackboard and a model, or by an external eye."""
+"""How an agent sees the hand, by the blackboard and a model or by an external eye, and the goal."""
 
 from typing import Literal, NamedTuple, cast
 
 import numpy as np
 import numpy.typing as npt
 
-from agents.agent import Array, Body, Percepts
-from agents.arithmetic import Parts, known, parts, sqrt
+from agents.agent import Array, Body, Goal, Percepts
+from agents.arithmetic import AT_REST, Parts, known, moved, parts, sqrt
 from plant.kinematics import ArmPose, kinematics_of
 
 Perception = Literal["auto", "blackboard", "localiser"]
@@ -87,3 +87,10 @@ class Sight:
         self._spread = (1 - share) * (self._spread + share * surprise)
         chance = self.SPREADS * sqrt(self._spread * share / (2 - share))
         return sqrt(x * x + y * y + z * z) < self.SAME + chance
+
+
+def goal_parts(goal: Goal, t: float) -> tuple[Parts, Parts]:
+    """Return where the goal is [m] and how fast it moves [m/s], at plant time `t` [s]."""
+    velocity = parts(goal.velocity)
+    place = moved(parts(goal.position), velocity, goal.moving(t))
+    return place, velocity if goal.moves(t) else AT_REST

@@ -79,7 +79,7 @@ class Effects:
         """What the motors do of what they are told; `arm` gives the present pose in the world."""
         if not self._faults:
             return commands
-        joints = np.broadcast_to(commands.joints, state.q.shape).copy()
+        joints = np.array(np.broadcast_to(commands.joints, state.q.shape))
         base = commands.base
         for fault in self._faults.values():
             if fault.part == "joint":
@@ -92,7 +92,7 @@ class Effects:
         """What the encoders tell of that state."""
         if not self._faults:
             return Encoders(state.q, state.qd)
-        q, qd = state.q.copy(), state.qd.copy()
+        q, qd = np.array(state.q), np.array(state.qd)
         for fault in self._faults.values():
             if fault.part != "encoder":
                 continue

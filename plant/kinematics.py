@@ -1,14 +1,13 @@
 """Where the arm is when its joints stand so: forward kinematics for one arm or for thousands."""
 
 import math
-from functools import cache
-from math import prod
+from functools import cache, cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from plant.robot import Array, Robot
-from plant.straight_line import forward_function
+from plant.straight_line import Forward, forward_function
 
 
 class ArmPose(NamedTuple):
@@ -41,8 +40,8 @@ class Kinematics:
 
     Each joint's frame is turned so that its axis is z. Past joint i the chain then goes on by
     Rz(q_i) L_i with a constant L_i. The base's heading is one more such angle, with its axis
-    through the origin of the base's frame. A lone arm goes through it in plain floats
-    (`forward_function`), many as arrays.
+    through the origin of the base's frame. This is written out for the robot
+    (`forward_function`): a lone arm goes through it in plain floats, many as arrays.
 
     What was worked out last for many arms is kept, as long as nobody can have changed what it was
     worked out from: in a study, all agents ask for the same.
@@ -57,7 +56,7 @@ class Kinematics:
         links[:-1] = links[:-1] @ self._align[1:]
         # each link's x, y, z and p, one after the other
         self._columns = [tuple(link[:3].T.ravel().tolist()) for link in links]
-        self._straight_line = forward_function(self._columns)
+        self._of_one = forward_function(self._columns, math.cos, math.sin)
         self._last: tuple[Array, Array, ArmPose] | None = None
 
     def forward(self, q: Array, base: Array | None = None) -> ArmPose:
@@ -77,37 +76,27 @@ class Kinematics:
         return pose
 
     def _forward_of_many(self, q: Array, base: Array) -> ArmPose:
-        """The same for any batch: a column is one array (3, B), so all of one kind lie together."""
-        n = self.robot.n
+        """The same for any batch, with each number of all arms in one array."""
+        n = 4 + self.robot.n
         batch = np.broadcast_shapes(q.shape[:-1], base.shape[:-1])
-        count = prod(batch)
-        angles = np.ascontiguousarray(np.broadcast_to(q, (*batch, n)).reshape(-1, n).T)
-        heading = base[2:] if base.ndim == 1 else np.broadcast_to(base[..., 2], batch).reshape(-1)
-        cosines = [np.cos(heading), *np.cos(angles)]
-        sines = [np.sin(heading), *np.sin(angles)]
-        points, axes = np.empty((n + 1, 3, count)), np.empty((n + 1, 3, count))
-        x, y, z = np.eye(3)[:, :, None]
-        p = np.zeros((3, count))
-        p[:2] = np.broadcast_to(base[..., :2], (*batch, 2)).reshape(-1, 2).T
-        for i, (c, s, link) in enumerate(zip(cosines, sines, self._columns, strict=True)):
-            u, v = c * x + s * y, c * y - s * x
-            p = np.add(p, _mixed(link[9:], u, v, z), out=points[i])
-            x, y = _mixed(link[:3], u, v, z), _mixed(link[3:6], u, v, z)
-            axes[i] = z = _mixed(link[6:9], u, v, z)
-        rotation = np.empty((3, 3, count))
-        rotation[0], rotation[1], rotation[2] = x, y, z
-        return ArmPose(
-            p.T.reshape(*batch, 3),
-            rotation.transpose(2, 1, 0).reshape(*batch, 3, 3),
-            points[:-1].transpose(2, 0, 1).reshape(*batch, n, 3),
-            axes[:-1].transpose(2, 0, 1).reshape(*batch, n, 3),
-        )
+        place = base.tolist() if base.ndim == 1 else np.moveaxis(base, -1, 0)
+        numbers = self._of_many(*place, *np.moveaxis(q, -1, 0))
+        table = np.empty((len(numbers), *batch))
+        for line, number in zip(table, numbers, strict=True):
+            line[...] = number
+        rows = np.moveaxis(table.reshape(len(numbers) // 3, 3, *batch), (0, 1), (-2, -1))
+        return ArmPose(rows[..., 0, :], rows[..., 1:4, :], rows[..., 4:n, :], rows[..., n:, :])
 
     def _forward_of_one(self, q: Array, base: Array) -> ArmPose:
         """The arm at `q` (n,) of a base at (3,)."""
-        rows = np.array(self._straight_line(*base.tolist(), *q.tolist())).reshape(-1, 3)
+        rows = np.array(self._of_one(*base.tolist(), *q.tolist())).reshape(-1, 3)
         n = 4 + self.robot.n
         return ArmPose(rows[0], rows[1:4], rows[4:n], rows[n:])
+
+    @cached_property
+    def _of_many(self) -> Forward:
+        """Made when it is needed: an agent in its process never does."""
+        return forward_function(self._columns, np.cos, np.sin)
 
     def frames(self, q: Array, base: Array | None = None) -> Array:
         """(..., n + 1, 4, 4): the base's frame and each joint's frame in the world.
@@ -124,16 +113,6 @@ class Kinematics:
         for i, joint in enumerate(self.robot.joints):
             turns[..., i + 1, :, :] = turns[..., i, :, :] @ joint.origin @ turns[..., i + 1, :, :]
         return turns
-
-
-def _mixed(weights: tuple[float, ...], *columns: Array) -> Array | float:
-    """The sum of columns (3, B), weighted; most weights of most robots are 0 or 1."""
-    mixed: Array | float = 0.0
-    for weight, column in zip(weights, columns, strict=True):
-        if weight:
-            part = column if weight == 1.0 else weight * column
-            mixed = part if isinstance(mixed, float) else mixed + part
-    return mixed
 
 
 def quaternion(rotation: Array) -> Array:

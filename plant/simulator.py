@@ -65,10 +65,10 @@ class Simulator:
         self._state = _final(
             State(
                 0.0,
-                np.broadcast_to(q, (*batch, robot.n)).copy(),
-                np.zeros((*batch, robot.n)),
-                np.broadcast_to(base, (*batch, 3)).copy(),
-                np.zeros((*batch, 2)),
+                _by_column(np.broadcast_to(q, (*batch, robot.n))),
+                _by_column(np.zeros((*batch, robot.n))),
+                _by_column(np.broadcast_to(base, (*batch, 3))),
+                _by_column(np.zeros((*batch, 2))),
             )
         )
         self._at_origin = robot.drive is None and not base.any()  # and for ever
@@ -122,6 +122,14 @@ class Simulator:
     def _sighting(self) -> Sighting:
         arm = self.arm()
         return Sighting(arm.tip, arm.rotation)
+
+
+def _by_column(values: Array) -> Array:
+    """A copy (..., n) in which the numbers of one column, of all robots, lie side by side.
+
+    Each joint's agent, and each limit of a joint, is for one column.
+    """
+    return np.moveaxis(np.moveaxis(values, -1, 0).copy(), 0, -1)
 
 
 def _final(state: State) -> State:

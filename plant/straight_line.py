@@ -1,28 +1,31 @@
 """Forward kinematics of one robot as straight-line code: written out link by link, and compiled.
 
-Most numbers of most links are 0 or 1. What is multiplied by these is left out, so a lone arm takes
-less than half the time of a loop over its links.
+Most numbers of most links are 0 or 1. What is multiplied by these is left out, so a lone arm, or
+thousands of them as arrays, take less than half the time of a loop over the links.
 """
 
 from collections.abc import Callable, Sequence
-from math import cos, sin
 from typing import Any
 
 Link = tuple[float, ...]
 """A link's x, y, z and p, as columns one after the other."""
-Forward = Callable[..., list[float]]
+Forward = Callable[..., list[Any]]
 _ZERO, _ONE, _MINUS_ONE = "0.0", "1.0", "-1.0"
 
 
-def forward_function(links: Sequence[Link]) -> Forward:
+def forward_function(
+    links: Sequence[Link], cos: Callable[[Any], Any], sin: Callable[[Any], Any]
+) -> Forward:
     """Return what takes the base's x, y [m], its heading and the joints' angles [rad].
 
     It returns a list: the grip point (3), the hand's rotation row by row (9), a point on each
-    joint's axis (3 n), and the axes (3 n). It goes along the frames' columns x, y, z and p.
+    joint's axis (3 n), and the axes (3 n). What is the same for all poses is a plain float. It
+    goes along the frames' columns x, y, z and p.
 
     links: of the base and of each joint, to the next frame
+    cos, sin: of the numbers, or arrays, that it is for
     """
-    code = _Code()
+    code = _Code(cos, sin)
     x, y, z = (_ONE, _ZERO, _ZERO), (_ZERO, _ONE, _ZERO), (_ZERO, _ZERO, _ONE)
     p: _Column = ("x", "y", _ZERO)
     points: list[str] = []
@@ -52,8 +55,9 @@ _Column = tuple[str, str, str]
 class _Code:
     """Lines of a function, each of which gives a name to a number."""
 
-    def __init__(self) -> None:
+    def __init__(self, cos: Callable[[Any], Any], sin: Callable[[Any], Any]) -> None:
         self.lines: list[str] = []
+        self._scope: dict[str, Any] = {"cos": cos, "sin": sin}
 
     def column(self, name: str, weights: Sequence[str], columns: Sequence[_Column]) -> _Column:
         """Write down the sum of columns, each times its weight; return the names of its parts."""
@@ -73,15 +77,15 @@ class _Code:
         """Return the function."""
         last = f"return [{', '.join(result)}]"
         source = "\n    ".join([f"def forward({', '.join(arguments)}):", *self.lines, last])
-        scope: dict[str, Any] = {"cos": cos, "sin": sin}
-        exec(source, scope)  # of our own making: there are but numbers and names of ours in it
-        forward: Forward = scope["forward"]
+        exec(source, self._scope)  # of our own making: there are but numbers and names of ours
+        forward: Forward = self._scope["forward"]
         return forward
 
 
 def _sum(weights: Sequence[str], terms: Sequence[str]) -> str:
     products = [_product(*each) for each in zip(weights, terms, strict=True)]
-    return " + ".join(each for each in products if each != _ZERO) or _ZERO
+    total = " + ".join(each for each in products if each != _ZERO) or _ZERO
+    return total.replace("+ -", "- ")  # so that nothing is negated beforehand
 
 
 def _product(weight: str, term: str) -> str:

@@ -86,7 +86,7 @@ class Crew:
 
     def commands(self, plant: Simulator, goal: Goal) -> Commands:
         """Return what the motors are told now; who is not due, or not heard, is as before."""
-        told = np.zeros(plant.state.q.shape) if self._told is None else self._told.copy()
+        told = np.zeros_like(plant.state.q) if self._told is None else np.array(self._told)
         due = [i for i, at in enumerate(self._phase) if self._tick % self._meeting.ticks == at]
         self._tick += 1
         if due:
