@@ -6,11 +6,13 @@ Nothing here blocks a sender: what does not get through is dropped, for the next
 import math
 import time
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
+from queue import Empty, SimpleQueue
 from types import TracebackType
 from typing import NamedTuple, Self
 
 import zenoh
-from zenoh.handlers import Handler, RingChannel
+from zenoh.handlers import Callback, Handler, RingChannel
 
 from plant.errors import MsmaError
 from runtime.wire import keys
@@ -22,6 +24,8 @@ from runtime.wire.security import Credentials
 from runtime.wire.session import config
 
 _LINGER = 0.1  # [s] that an answer has to leave before the bus is closed: closing drops what waits
+
+_LATER = 0.5  # [s] than Zenoh is to give up a question, until nobody waits for it to do so
 
 
 class BusError(MsmaError, ConnectionError):
@@ -200,7 +204,11 @@ class Bus:
 
     def who_is_alive(self, timeout: float = 1.0) -> list[str]:
         """Return the keys of all tokens there are; waits [s] only for whom it has lost."""
-        replies = self._session.liveliness().get(keys.EVERYBODY_ALIVE, timeout=timeout)
+
+        def get(handler: "Callback[zenoh.Reply]") -> None:
+            self._session.liveliness().get(keys.EVERYBODY_ALIVE, handler, timeout=timeout)
+
+        replies = _replies(get, timeout)
         return [str(reply.ok.key_expr) for reply in replies if reply.ok is not None]
 
     def answer(self, key: str, reply: Callable[[bytes], bytes]) -> None:
@@ -218,20 +226,42 @@ class Bus:
 
     def ask(self, key: str, question: bytes = b"", timeout: float = 1.0) -> list[Answer]:
         """Ask all who answer on a key expression; wait at most `timeout` [s]."""
-        replies = self._session.get(
-            key,
-            payload=question,
-            timeout=timeout,
-            target=zenoh.QueryTarget.ALL,
-            consolidation=zenoh.ConsolidationMode.NONE,  # copies answer on the same key
-        )
+
+        def get(handler: "Callback[zenoh.Reply]") -> None:
+            self._session.get(
+                key,
+                handler,
+                payload=question,
+                timeout=timeout,
+                target=zenoh.QueryTarget.ALL,
+                consolidation=zenoh.ConsolidationMode.NONE,  # copies answer on the same key
+            )
+
         answers = []
-        for reply in replies:
+        for reply in _replies(get, timeout):
             if reply.ok is not None:
                 answers.append(Answer(str(reply.ok.key_expr), data_of(reply.ok.payload), True))
             elif reply.err is not None:
                 answers.append(Answer(key, data_of(reply.err.payload), False))
         return answers
+
+
+def _replies(
+    get: "Callable[[Callback[zenoh.Reply]], None]", timeout: float
+) -> Iterator[zenoh.Reply]:
+    """Yield what replies to a question, until all did; wait little longer than `timeout` [s].
+
+    It is Zenoh that is to give up then. But it does so in the thread that does all of its work,
+    and where that one is held up, as by peers that are far too many, nobody else would.
+
+    get: asks the question, given a handler
+    """
+    replies: SimpleQueue[zenoh.Reply | None] = SimpleQueue()
+    get(Callback(replies.put, drop=lambda: replies.put(None), indirect=False))
+    deadline = time.monotonic() + timeout + _LATER
+    with suppress(Empty):
+        while (reply := replies.get(timeout=max(deadline - time.monotonic(), 0))) is not None:
+            yield reply
 
 
 def _why(robot: str | None, role: str, place: Place, error: str) -> str:

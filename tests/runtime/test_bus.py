@@ -196,6 +196,33 @@ def test_a_question_that_nobody_answers_gets_no_answers(street: Street) -> None:
     assert street.visit().ask("ctl/nobody/stop", timeout=0.5) == []
 
 
+def test_no_question_waits_for_a_bus_that_is_held_up(street: Street) -> None:
+    asking, other = street.join(0), street.join(1)
+    other.answer(keys.FAULT, lambda question: b"ok")
+    wait_for(lambda: asking.ask(keys.FAULT), "an answer")
+    held, released = threading.Event(), threading.Event()
+
+    def hold(_: object) -> None:
+        held.set()
+        released.wait(20.0)  # in the one thread that does all of Zenoh's work, timers too
+
+    reflex = other.reflex(KEY, hold)
+    threading.Thread(target=reflex.run, daemon=True).start()
+    publisher = asking.publisher(KEY)
+
+    def is_held() -> bool:
+        publisher.send(JointCommand(1.0, 0.5))
+        return held.is_set()
+
+    try:
+        wait_for(is_held, "the bus to be held up")
+        began = time.monotonic()
+        assert asking.ask(keys.FAULT, timeout=0.1) == []
+        assert time.monotonic() - began < 10.0
+    finally:
+        released.set()
+
+
 def test_tokens_show_who_comes_and_who_goes(street: Street) -> None:
     seen: list[tuple[str, bool]] = []
     early = street.join(0)
