@@ -17,7 +17,7 @@ import traceback
 from collections.abc import Sequence
 from importlib import import_module
 
-from runtime.launching.starting import import_all
+from runtime.launching.nursery import import_all
 from runtime.processes.scheduling import go_first
 
 BORN = "born"

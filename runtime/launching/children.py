@@ -10,11 +10,10 @@ from typing import NamedTuple, Protocol
 
 from runtime.config.deployment import Member
 from runtime.launching.local import logged, obeyed_in
-from runtime.launching.starting import Child, Task, start, start_all
+from runtime.launching.nursery import Nursery
+from runtime.launching.starting import LOST, Child, Task
 
 _DYING = 1.0  # [s] for a killed process to be gone
-LOST = 255
-"""Stands for the exit code of a process whose host is out of reach."""
 
 
 class Ended(NamedTuple):
@@ -97,11 +96,14 @@ class Crew(Protocol):
 class Children:
     """All processes that were started for a run, the former ones of a role as well.
 
+    Make it before a bus is joined: see `Nursery`.
+
     run: its folder
     """
 
     def __init__(self, run: Path) -> None:
         self.run = run
+        self._nursery = Nursery()
         self._living: list[tuple[Task, Child]] = []
         self._outs: set[Path] = set()
 
@@ -109,14 +111,14 @@ class Children:
         """Start some processes, all at once."""
         tasks = [Task(role, self.run, host if copy else None) for role, host, copy in crew]
         self._outs.update(task.out for task in tasks)
-        self._living += zip(tasks, start_all(tasks), strict=True)
+        self._living += [(task, self._nursery.start(task)) for task in tasks]
 
     def revive(self, role: str, home: str, *, copy: bool = False) -> int:
         """Start one more process for a role, and return its id; see `Crew`."""
         copy = copy or bool(logged(self.run, role))
         task = Task(role, self.run, home if copy else None)
         self._outs.add(task.out)
-        child = start(task)
+        child = self._nursery.start(task)
         self._living.append((task, child))
         return child.pid
 
@@ -152,7 +154,8 @@ class Children:
         return len(self._living)
 
     def tidy(self) -> None:
-        """Remove the files of those who said nothing."""
+        """Remove the files of those who said nothing; no more are started then."""
+        self._nursery.close()
         for out in self._outs:
             if out.exists() and out.stat().st_size == 0:
                 out.unlink()

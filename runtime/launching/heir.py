@@ -40,10 +40,11 @@ def inherit(run: Path, t: float) -> None:
     journal = Journal(run, "heir")
     journal.write(t, "start", role="heir", pid=os.getpid())
     journal.flush()
+    children = Children(run)
     place, credentials = deployment.mesh.visitor(), deployment.credentials(OPERATOR)
     with Bus(deployment.robot, "heir", place, secrets.randbits(63), credentials) as bus:
         watcher = Watcher(bus)
-        havoc = Havoc(deployment, Children(run), watcher, journal, show=say, happened=say)
+        havoc = Havoc(deployment, children, watcher, journal, show=say, happened=say)
         for event in begun:
             if event.hang is not None:
                 havoc.hung[event] = _hung(run, event.hang)

@@ -14,9 +14,10 @@ from pathlib import Path
 from typing import Any
 
 from runtime.config.deployment import Member, load
-from runtime.launching.children import LOST, Ended
+from runtime.launching.children import Ended
 from runtime.launching.failures import RunError
 from runtime.launching.key_files import moved, of_roles
+from runtime.launching.starting import LOST
 from runtime.wire.keys import PLANT
 
 _PATIENCE = 20.0  # [s] for a host to answer at first

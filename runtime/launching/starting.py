@@ -4,30 +4,17 @@ Each runs `msma agent FILE ROLE --run RUN` in a session of its own, reads nothin
 file, so that neither a Ctrl-C nor the death of its parent reaches it.
 """
 
-import gc
 import os
-import signal
 import subprocess
 import sys
-import traceback
 from collections.abc import Sequence
-from contextlib import suppress
-from importlib import import_module
 from pathlib import Path
 from typing import NamedTuple, Protocol
 
-from setproctitle import setproctitle
-
-from runtime import cli
 from runtime.wire.keys import file_name
 
-_NEEDED = (
-    "runtime.verbs.agent",
-    "runtime.processes.plant_process",
-    "runtime.processes.goal_process",
-    "runtime.processes.agent_process",
-)
-"""What some process of a robot imports: so much need those not import that begin as copies."""
+LOST = 255
+"""Stands for the exit code of a process of which nobody here can say how it ended."""
 
 _SOURCES = Path(__file__).parents[2]
 
@@ -95,82 +82,3 @@ def spawn(module: str, arguments: Sequence[str], out: Path) -> "subprocess.Popen
             start_new_session=True,
             env={**os.environ, "PYTHONPATH": path},
         )
-
-
-class _Forked:
-    """A process that began as a copy of this one."""
-
-    def __init__(self, pid: int) -> None:
-        self.pid = pid
-        self._code: int | None = None
-
-    def poll(self) -> int | None:
-        """Return its exit code, negative for a signal; None while it lives."""
-        if self._code is None:
-            pid, status = os.waitpid(self.pid, os.WNOHANG)
-            if pid:
-                self._code = os.waitstatus_to_exitcode(status)
-        return self._code
-
-
-def start_all(tasks: Sequence[Task]) -> list[Child]:
-    """Start processes at once, in a tenth of the time: as copies of this one, if it is single.
-
-    What this process has imported they need not import, which is nearly all that starting takes.
-    Only a process of one thread can be copied, so this comes before the bus is joined.
-    """
-    if not _is_single():
-        return [start(task) for task in tasks]
-    import_all()
-    gc.freeze()  # so that collecting garbage does not make the copies' memory their own
-    return [_fork(task) for task in tasks]
-
-
-def import_all() -> None:
-    """Import what any process of a robot needs, so that its copies need not."""
-    for module in _NEEDED:
-        import_module(module)
-
-
-def _is_single() -> bool:
-    """Tell whether this process has one thread only; false where that cannot be known."""
-    try:
-        return len(os.listdir("/proc/self/task")) == 1
-    except OSError:
-        return False
-
-
-def _fork(task: Task) -> Child:
-    sys.stdout.flush()
-    sys.stderr.flush()
-    pid = os.fork()
-    if pid:
-        return _Forked(pid)
-    code = 1
-    try:
-        _leave_the_parent(task)
-        code = cli.main(task.arguments)
-    except BaseException as error:
-        code = error.code if isinstance(error, SystemExit) and type(error.code) is int else 1
-        traceback.print_exc()
-    finally:
-        with suppress(OSError, ValueError):
-            sys.stdout.flush()
-            sys.stderr.flush()
-        os._exit(code)
-
-
-def _leave_the_parent(task: Task) -> None:
-    """Become a process of one's own: session, signals, streams and name."""
-    os.setsid()
-    signal.set_wakeup_fd(-1)
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, signal.SIG_DFL)
-    nothing = os.open(os.devnull, os.O_RDONLY)
-    out = os.open(task.out, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644)
-    for here, there in ((nothing, 0), (out, 1), (out, 2)):
-        os.dup2(here, there)
-    os.close(nothing)
-    os.close(out)
-    shown = task.arguments[:3] + ["--copy"] * (task.copy is not None)
-    setproctitle(" ".join(("msma", *shown)))

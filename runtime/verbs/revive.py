@@ -8,7 +8,8 @@ from runtime.config.deployment import load
 from runtime.launching.failures import RunError
 from runtime.launching.finding import add_target_options, target_of, visit
 from runtime.launching.local import diags, run_of
-from runtime.launching.starting import Task, start
+from runtime.launching.nursery import Nursery
+from runtime.launching.starting import Task
 from runtime.wire.bus import Bus
 
 _PATIENCE = 10.0  # [s] for it to be seen alive
@@ -23,12 +24,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Start it and wait until it is there; 1 if it does not come."""
     began = time.monotonic()
-    with visit(target_of(args)) as bus:
+    with Nursery() as nursery, visit(target_of(args)) as bus:
         told = diags(bus)
         if any(diag.role == args.role for diag in told):
             raise RunError(f"{args.role} is alive; `msma agent --copy` starts another beside it")
         task = _task(Path(run_of(told).run), args.role)
-        child = start(task)
+        child = nursery.start(task)
         while not _is_alive(bus, args.role, child.pid):
             if child.poll() is not None:
                 raise RunError(f"{args.role} did not start: {task.said}")

@@ -48,7 +48,7 @@ def test_all_move_at_once_show_their_roles_and_have_sessions_of_their_own(robot:
     moved = next(tick for tick in robot.log("plant", "tick") if any(tick["qd"]))
     assert moved["wall"] - began < 3.0  # 1.5 on an idle machine; tests may share it
     processes = robot.processes()
-    assert sorted(line.split()[-1] for line in processes.values()) == sorted(ROLES)
+    assert sorted(line.split()[-1] for line in processes.values()) == sorted((*ROLES, "nursery"))
     assert {os.getsid(pid) for pid in processes} == set(processes)
 
 

@@ -1,0 +1,185 @@
+"""Where the processes of a robot begin: as copies of one that has imported what they need.
+
+To run Python anew takes 0.2 s, nearly all of it for imports; a copy is there after milliseconds.
+And all have the same at the same addresses, so what a processor has learned of one serves the next.
+"""
+
+import gc
+import json
+import os
+import select
+import signal
+import socket
+import sys
+import traceback
+from contextlib import suppress
+from importlib import import_module
+from pathlib import Path
+from typing import Never, Self
+
+from setproctitle import setproctitle
+
+from runtime import cli
+from runtime.launching.starting import LOST, Child, Task, start
+
+_NEEDED = (
+    "runtime.verbs.agent",
+    "runtime.processes.plant_process",
+    "runtime.processes.goal_process",
+    "runtime.processes.agent_process",
+)
+"""What some process of a robot imports."""
+_LONGEST = 1 << 16  # [bytes] of a question
+_PATIENCE = 30.0  # [s] for the nursery to answer, which may have to import all first
+
+
+class Nursery:
+    """Starts processes that outlive this one, for as long as it is open.
+
+    It is a process by itself, begun as a copy of this one. Only a process of one thread can be
+    copied, so make it before a bus is joined: later, or where it has been killed, each process
+    runs Python anew. It decides nothing, and ends with whoever made it.
+    """
+
+    def __init__(self) -> None:
+        self._line: socket.socket | None = None
+        if not _can_be_copied():
+            return
+        self._line, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        sys.stdout.flush()
+        sys.stderr.flush()
+        self._pid = os.fork()
+        if self._pid == 0:
+            self._line.close()
+            _tend(theirs)
+        theirs.close()
+        self._line.settimeout(_PATIENCE)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Let it end; what it started goes on."""
+        if self._line is not None:
+            self._line.close()
+            self._line = None
+            os.kill(self._pid, signal.SIGKILL)
+            os.waitpid(self._pid, 0)
+
+    def start(self, task: Task) -> Child:
+        """Start a process."""
+        pid = self.ask("start", str(task.run), task.role, task.copy)
+        return start(task) if pid is None else _Copy(self, pid)
+
+    def ask(self, *words: str | int | None) -> int | None:
+        """Return the number that the nursery answers; None if it is not there."""
+        if self._line is None:
+            return None
+        try:
+            self._line.send(json.dumps(words).encode())
+            answer = self._line.recv(_LONGEST)
+        except OSError:
+            answer = b""
+        if not answer:  # it was killed, or stopped
+            self.close()
+            return None
+        number: int = json.loads(answer)
+        return number
+
+
+class _Copy:
+    """A process that began as a copy of the nursery.
+
+    Its id is its own until `poll` has returned its exit code, for it is reaped no sooner.
+    """
+
+    def __init__(self, nursery: Nursery, pid: int) -> None:
+        self.pid = pid
+        self._nursery = nursery
+        self._handle: int | None = os.pidfd_open(pid)
+        self._code: int | None = None
+
+    def poll(self) -> int | None:
+        """Return its exit code, negative for a signal; None while it lives."""
+        if self._handle is not None and _is_readable(self._handle):  # which it is once it has ended
+            os.close(self._handle)
+            self._handle = None
+            code = self._nursery.ask("reap", self.pid)
+            self._code = LOST if code is None else code
+        return self._code
+
+
+def import_all() -> None:
+    """Import what any process of a robot needs, so that its copies need not."""
+    for module in _NEEDED:
+        import_module(module)
+
+
+def _is_readable(handle: int) -> bool:
+    poll = select.poll()
+    poll.register(handle, select.POLLIN)
+    return bool(poll.poll(0))
+
+
+def _can_be_copied() -> bool:
+    """Tell whether this process has one thread only; false where that cannot be known."""
+    try:
+        return len(os.listdir("/proc/self/task")) == 1 and hasattr(os, "pidfd_open")
+    except OSError:
+        return False
+
+
+def _tend(line: socket.socket) -> Never:
+    """Be the nursery: do what is asked for until nobody can ask any more."""
+    try:
+        _leave_the_parent(Path(os.devnull))
+        setproctitle("msma nursery")
+        import_all()
+        gc.freeze()  # so that collecting garbage does not make the copies' memory their own
+        while question := line.recv(_LONGEST):
+            match json.loads(question):
+                case "start", run, role, copy:
+                    number = _copied(line, Task(role, Path(run), copy))
+                case "reap", pid:
+                    number = os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1])
+            line.send(json.dumps(number).encode())
+    finally:
+        os._exit(0)
+
+
+def _copied(line: socket.socket, task: Task) -> int:
+    """Return the id of a copy of this process that does the task."""
+    if pid := os.fork():
+        return pid
+    code = 1
+    try:
+        line.close()
+        _leave_the_parent(task.out)
+        shown = task.arguments[:3] + ["--copy"] * (task.copy is not None)
+        setproctitle(" ".join(("msma", *shown)))
+        code = cli.main(task.arguments)
+    except BaseException as error:
+        code = error.code if isinstance(error, SystemExit) and type(error.code) is int else 1
+        traceback.print_exc()
+    finally:
+        with suppress(OSError, ValueError):
+            sys.stdout.flush()
+            sys.stderr.flush()
+        os._exit(code)
+
+
+def _leave_the_parent(out: Path) -> None:
+    """Become a process of one's own: session, signals and streams."""
+    os.setsid()
+    signal.set_wakeup_fd(-1)
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.SIG_DFL)
+    nothing = os.open(os.devnull, os.O_RDONLY)
+    written = os.open(out, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644)
+    for here, there in ((nothing, 0), (written, 1), (written, 2)):
+        os.dup2(here, there)
+    os.close(nothing)
+    os.close(written)

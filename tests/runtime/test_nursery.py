@@ -1,0 +1,109 @@
+"""Processes that begin as copies of one that waits for it."""
+
+import os
+import signal
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from runtime.launching import nursery as nurseries
+from runtime.launching.nursery import Nursery
+from runtime.launching.starting import LOST, Child, Task
+from tests.runtime.conftest import wait_for
+
+
+@pytest.fixture
+def nursery(monkeypatch: pytest.MonkeyPatch) -> Iterator[Nursery]:
+    """A nursery, though pytest may have threads by now: the copies do without them."""
+    monkeypatch.setattr(nurseries, "_can_be_copied", lambda: True)
+    with Nursery() as nursery:
+        yield nursery
+
+
+def task(run: Path) -> Task:
+    """What ends at once with exit code 2, since there is no such file."""
+    return Task("joint/1", run)
+
+
+def ended(child: Child) -> int:
+    wait_for(lambda: child.poll() is not None, "its end")
+    code = child.poll()
+    assert code is not None
+    return code
+
+
+def parent_of(pid: int) -> int:
+    return int(Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[1])
+
+
+def test_a_copy_does_its_task_and_says_how_it_ended(nursery: Nursery, tmp_path: Path) -> None:
+    child = nursery.start(task(tmp_path))
+    assert parent_of(child.pid) != os.getpid()
+    assert ended(child) == 2
+    assert child.poll() == 2
+
+
+def test_an_id_stays_its_own_until_its_end_was_heard_of(nursery: Nursery, tmp_path: Path) -> None:
+    child = nursery.start(task(tmp_path))
+    wait_for(lambda: " Z " in Path(f"/proc/{child.pid}/stat").read_text(), "it to end")
+    os.kill(child.pid, signal.SIGKILL)  # nobody else's
+    assert child.poll() == 2
+    assert not Path(f"/proc/{child.pid}").exists()
+
+
+def test_who_is_killed_ends_by_that_signal(nursery: Nursery, tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "deployment.yaml")  # it waits for who writes into it
+    child = nursery.start(task(tmp_path))
+    assert child.poll() is None
+    os.kill(child.pid, signal.SIGKILL)
+    assert ended(child) == -signal.SIGKILL
+
+
+def test_without_its_nursery_a_process_goes_on_and_others_run_python_anew(
+    nursery: Nursery, tmp_path: Path
+) -> None:
+    os.mkfifo(tmp_path / "deployment.yaml")
+    orphan = nursery.start(task(tmp_path))
+    os.kill(parent_of(orphan.pid), signal.SIGKILL)
+    other = nursery.start(Task("joint/2", tmp_path))
+    assert parent_of(other.pid) == os.getpid()
+    for child, code in ((orphan, LOST), (other, -signal.SIGKILL)):
+        assert child.poll() is None
+        os.kill(child.pid, signal.SIGKILL)
+        assert ended(child) == code
+
+
+def test_a_nursery_ends_with_whoever_made_it_and_leaves_no_zombie(tmp_path: Path) -> None:
+    pid = os.fork()
+    if pid == 0:
+        child = Nursery().start(task(tmp_path))
+        (tmp_path / "nursery").write_text(f"{parent_of(child.pid)}")
+        os.kill(os.getpid(), signal.SIGKILL)
+    os.waitpid(pid, 0)
+    nursery = int((tmp_path / "nursery").read_text())
+    assert nursery != pid
+    wait_for(lambda: not is_alive(nursery), "the nursery to end")
+
+
+def is_alive(pid: int) -> bool:
+    try:
+        state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
+    except OSError:
+        return False
+    return state != "Z"  # which is for who inherited it to end
+
+
+def test_a_process_of_several_threads_runs_python_anew(tmp_path: Path) -> None:
+    released = threading.Event()
+    thread = threading.Thread(target=released.wait)
+    thread.start()
+    try:
+        with Nursery() as nursery:
+            child = nursery.start(task(tmp_path))
+            assert parent_of(child.pid) == os.getpid()
+            assert ended(child) == 2
+    finally:
+        released.set()
+        thread.join()
