@@ -1,7 +1,9 @@
 """What an agent is: percepts in, one command out."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -77,13 +79,18 @@ class Body:
 
     joint: index from 0 of the joint it moves, None for the platform
     period: of the control loop [s]
-    rng: the only source of chance an agent has
+    seed: of the only source of chance an agent has
     """
 
     robot: Robot
     joint: int | None
     period: float
-    rng: np.random.Generator
+    seed: int | Sequence[int]
+
+    @cached_property
+    def rng(self) -> "np.random.Generator":
+        """The only source of chance, made when it is needed: few agents do, and none to begin."""
+        return np.random.default_rng(self.seed)
 
 
 REST = 1 / 12

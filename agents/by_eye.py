@@ -57,7 +57,7 @@ class LineByEye(Law):
 
     def __init__(self, body: Body, *, horizon: float, top_speed: float) -> None:
         """Look `horizon` [s] ahead and further, and never turn faster than `top_speed` [rad/s]."""
-        self._rng = body.rng
+        self._body = body
         self._horizon = self.FURTHER * horizon
         self._top_speed = top_speed
         self._window = max(self.WINDOW, body.period)
@@ -156,7 +156,7 @@ class LineByEye(Law):
         if self._way is not None:
             back, self._way = -self._way, None
             return back
-        self._way = self._rng.choice((-1.0, 1.0), size=shape)
+        self._way = self._body.rng.choice((-1.0, 1.0), size=shape)
         return self._way
 
 

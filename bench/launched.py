@@ -12,7 +12,7 @@ from typing import Any
 from bench.bench import BenchError
 from bench.echo.side import environment
 from bench.places import free_port
-from runtime.launching.record import read_log
+from runtime.launching.logs import read_log
 from runtime.wire.keys import PLANT
 
 _SPARE = 15.0  # [s] that a run may take longer than it should

@@ -16,7 +16,8 @@ from bench.ticks import quantile
 from bench.usage import Meter, Usage
 from runtime.config.deployment import load
 from runtime.launching.gaps import arrivals
-from runtime.launching.record import read_log, read_record
+from runtime.launching.logs import read_log
+from runtime.launching.record import read_record
 from runtime.launching.verdict import errors
 from runtime.wire.keys import PLANT
 from studies.study import Row, Watch

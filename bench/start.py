@@ -15,7 +15,8 @@ from bench.bench import Bench, BenchError, Check, Result, Table
 from bench.launched import Launched, launched
 from bench.ours import ARPH, deployed
 from bench.reviving import PARTS
-from runtime.launching.record import read_log, read_record
+from runtime.launching.logs import read_log
+from runtime.launching.record import read_record
 from runtime.launching.starting import Child, Task, spawn, start
 from runtime.wire.keys import PLANT
 from studies.study import Row, Watch

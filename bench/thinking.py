@@ -73,7 +73,7 @@ def single_cases(ticks: int) -> dict[str, Case]:
 
 
 def _joint(robot: Robot, index: int, perception: str) -> Agent:
-    body = Body(robot, index, 0.02, np.random.default_rng(index))
+    body = Body(robot, index, 0.02, index)
     return JointAgent(body, perception=perception)  # type: ignore[arg-type] # a literal
 
 

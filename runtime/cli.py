@@ -1,17 +1,15 @@
 """The `msma` command: finds the module of a verb, and runs it."""
 
 import argparse
-import ast
 import importlib
 import os
-import pkgutil
 import sys
 from collections.abc import Sequence
 from importlib.util import find_spec
 
 import runtime.verbs
 from plant.errors import MsmaError
-from runtime.config.tree import valid_are
+from runtime.config.spelling import valid_are
 from runtime.launching.failures import RunError
 
 _GROUP = "msma.verbs"
@@ -72,6 +70,7 @@ def _module(verb: str) -> str:
 
 def _verbs() -> dict[str, str]:
     """Return the module of each verb: ours, and those that others add as entry points."""
+    import pkgutil
     from importlib.metadata import entry_points
 
     ours = runtime.verbs
@@ -87,6 +86,8 @@ def _help() -> str:
 
 def _docstring(module: str) -> str:
     """Return the first line of a module's docstring, without importing it."""
+    import ast
+
     spec = find_spec(module)
     if spec is None or spec.origin is None:
         return "(not found)"

@@ -76,7 +76,7 @@ class Crew:
         self._meeting = meeting
         self._rng = np.random.default_rng([seed, robot.n])
         self._agents = [
-            make(Body(believed or robot, i, PERIOD, np.random.default_rng([seed, i])), **parameters)
+            make(Body(believed or robot, i, PERIOD, [seed, i]), **parameters)
             for i in range(robot.n)
         ]
         spread = meeting.ticks if meeting.out_of_step else 1

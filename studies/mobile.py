@@ -56,13 +56,13 @@ def msma(
     """
     agents: dict[str, Agent] = {}
     for joint in range(ARPH.n):
-        body = Body(ARPH, joint, period, np.random.default_rng([seed, joint]))
+        body = Body(ARPH, joint, period, [seed, joint])
         agents[f"joint/{joint + 1}"] = (
             JointAgent(body, perception=perception, bend=BEND.get(joint, 0.0))
             if joint in MOVING
             else HoldAgent(body)
         )
-    body = Body(ARPH, None, period, np.random.default_rng([seed, ARPH.n]))
+    body = Body(ARPH, None, period, [seed, ARPH.n])
     agents["platform"] = PlatformAgent(body, perception=perception, bearing=BEARING)
     return agents
 

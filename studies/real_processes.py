@@ -133,8 +133,7 @@ def in_lockstep(
     """
     robot = load("planar5")
     agents: dict[str, Agent] = {
-        f"joint/{i + 1}": JointAgent(Body(robot, i, PERIOD, np.random.default_rng(i)))
-        for i in range(robot.n)
+        f"joint/{i + 1}": JointAgent(Body(robot, i, PERIOD, i)) for i in range(robot.n)
     }
     events = [
         Event(moments[k] if killed and k < len(moments) else 0.0,

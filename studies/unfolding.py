@@ -186,7 +186,7 @@ def both(q: Array, goal: Array) -> list[tuple[Motion, Motion]]:
     robot = load("planar5")
     agents: dict[str, Agent] = {
         f"joint/{i + 1}": JointAgent(
-            Body(robot, i, PERIOD, np.random.default_rng(i)),
+            Body(robot, i, PERIOD, i),
             law="even-line",
             perception="blackboard",
         )

@@ -17,7 +17,8 @@ from runtime.config.overrides import Override
 from runtime.config.reading import Derived, kind_of
 from runtime.config.security import SecuritySpec
 from runtime.config.specs import AgentSpec, Description, GoalSpec, PlantSpec, Start
-from runtime.config.tree import ConfigError, Node, read_file, valid_are
+from runtime.config.spelling import valid_are
+from runtime.config.tree import ConfigError, Node, read_file
 from runtime.wire.mesh import Mesh
 from runtime.wire.ports import FIRST_COPY, SLOTS, port_base
 from runtime.wire.security import Credentials

@@ -6,7 +6,8 @@ from typing import Annotated, ClassVar
 
 from runtime.config.kinds import OneOrMore, Pattern, Scope
 from runtime.config.reading import Derived
-from runtime.config.tree import Node, valid_are
+from runtime.config.spelling import valid_are
+from runtime.config.tree import Node
 from runtime.wire.mesh import LOOPBACK
 
 HostName = Annotated[str, Pattern("[A-Za-z0-9][A-Za-z0-9._-]*", "a host's name", "arm")]

@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from plant.units import Unit, UnitError, parse_quantity
-from runtime.config.tree import Node, valid_are
+from runtime.config.spelling import valid_are
+from runtime.config.tree import Node
 
 Scope = Mapping[str, Any]
 """What was read before a value, around it too, by attribute: what a default may follow from."""

@@ -43,7 +43,8 @@ from runtime.config.kinds import (
     Text,
     Whole,
 )
-from runtime.config.tree import Node, nearest
+from runtime.config.spelling import nearest
+from runtime.config.tree import Node
 
 _M = TypeVar("_M")
 _TRUTH = Choice({"true": True, "yes": True, "on": True, "false": False, "no": False, "off": False})

@@ -17,7 +17,8 @@ from runtime.config.classes import AgentClass, PathClass, blame
 from runtime.config.hosts import Home, Homes, check_homes
 from runtime.config.kinds import Pattern, Range, Scope, Text
 from runtime.config.reading import Derived, Rest
-from runtime.config.tree import Node, valid_are
+from runtime.config.spelling import valid_are
+from runtime.config.tree import Node
 
 Role = Annotated[str, Pattern("[a-z][a-z0-9_-]*(/[0-9]+)?", "a role", "joint/1")]
 Metres = Annotated[float, "m"]
@@ -172,8 +173,7 @@ class AgentSpec:
 
     def build(self, robot: Robot, period: float, seed: Sequence[int]) -> Agent:
         """Make the agent, as a part of that robot, with a control period [s]."""
-        body = Body(robot, self.joint, period, np.random.default_rng(seed))
-        agent: Agent = self.class_.make(body, **self.parameters)
+        agent: Agent = self.class_.make(Body(robot, self.joint, period, seed), **self.parameters)
         return agent
 
     def check(self, node: Node, scope: Scope) -> None:

@@ -2,7 +2,7 @@
 
 import os
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -246,20 +246,3 @@ class _Builder:
             raise ConfigError(f"{place}: is nested deeper than {_DEEPEST} levels")
         if self.count > _MOST_NODES:
             raise ConfigError(f"{place}: more than {_MOST_NODES} values, with aliases written out")
-
-
-def nearest(name: str, valid: Iterable[str]) -> str:
-    """Return "; did you mean 'x'?" for the likeliest of the valid names, or nothing."""
-    names = list(valid)
-    if not names:
-        return ""
-    import difflib  # only a mistake needs it
-
-    close = difflib.get_close_matches(name, names, n=1)
-    return f"; did you mean {close[0]!r}?" if close else ""
-
-
-def valid_are(name: str, valid: Iterable[str]) -> str:
-    """Return what to put after the complaint that `name` is none of the valid ones."""
-    names = list(valid)
-    return f"{nearest(name, names) or ';'} valid are {', '.join(names) or 'none'}"

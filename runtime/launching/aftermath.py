@@ -15,7 +15,8 @@ from agents.agent import Array
 from runtime.config.chaos import LAUNCHER
 from runtime.config.deployment import Deployment
 from runtime.launching.gaps import arrivals, first_after
-from runtime.launching.record import Record, read_log
+from runtime.launching.logs import read_log
+from runtime.launching.record import Record
 from runtime.launching.verdict import errors
 
 THROUGH = 3.0

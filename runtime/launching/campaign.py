@@ -21,7 +21,8 @@ from runtime.launching.forecast import forecast
 from runtime.launching.havoc import check_means
 from runtime.launching.launcher import prepare
 from runtime.launching.local import logged
-from runtime.launching.record import RecordError, read_log, read_record
+from runtime.launching.logs import read_log
+from runtime.launching.record import RecordError, read_record
 from runtime.launching.starting import spawn
 from runtime.launching.table import distance
 from runtime.launching.trial import prove_all

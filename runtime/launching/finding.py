@@ -12,8 +12,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 from plant.errors import MsmaError
-from runtime.config.deployment import load
-from runtime.config.overrides import Override
 from runtime.launching.failures import RunError
 from runtime.wire import keys
 from runtime.wire.bus import Bus
@@ -41,34 +39,25 @@ class Target(NamedTuple):
     credentials: Credentials | None = None
 
 
-def add_target_options(parser: argparse.ArgumentParser) -> None:
-    """Let the command say which robot is meant."""
-    group = parser.add_argument_group(
-        "which robot", "by default the only one that runs on this machine"
-    )
-    group.add_argument("--robot", metavar="NAME", help="its name on the network")
-    group.add_argument(
-        "--file",
-        metavar="FILE",
-        help="its deployment file; needed if that sets its port, hosts or security",
-    )
-
-
 def target_of(args: argparse.Namespace) -> Target:
     """Return the robot that the command line means; `RunError` if there is not one to choose."""
     if args.file is not None:
+        from runtime.config.deployment import load  # most of what a tool imports, if it does
+        from runtime.config.overrides import Override
+
         name = [Override("--robot", "robot", json.dumps(args.robot))] if args.robot else []
         deployment = load(args.file, name, keys.PLANT)
         return Target(deployment.robot, deployment.mesh, deployment.credentials(OPERATOR))
     if args.robot is not None:
-        base = port_base(args.robot)
-        ports = range(base, base + SLOTS)
-        if {there.host for there in _listening() if there.port in ports} <= {LOOPBACK}:
-            return Target(args.robot, on_loopback(base))
+        if _places(args.robot) <= {LOOPBACK}:
+            return Target(args.robot, on_loopback(port_base(args.robot)))
         return _by_its_file(args.robot, robots_here())
     running = robots_here()
     if len(running) == 1:
-        return _by_its_file(next(iter(running)), running)
+        robot = next(iter(running))
+        if _places(robot) == {LOOPBACK}:
+            return Target(robot, on_loopback(port_base(robot)))
+        return _by_its_file(robot, running)
     if running:
         raise RunError(f"several robots run here: {', '.join(running)}; say which: --robot NAME")
     raise RunError(f"no robot runs here; {_BY_FILE}")
@@ -96,11 +85,19 @@ def robots_here() -> dict[str, str]:
 
 def _by_its_file(robot: str, running: Mapping[str, str]) -> Target:
     """Return a robot that runs here, wherever else it is by the file it was started with."""
+    from runtime.config.deployment import load
+
     with suppress(MsmaError):
         deployment = load(running.get(robot, ""), only_role=keys.PLANT)
         if deployment.robot == robot:
             return Target(robot, deployment.mesh, deployment.credentials(OPERATOR))
     return Target(robot, on_loopback(port_base(robot)))
+
+
+def _places(robot: str) -> set[str]:
+    """Return at which addresses of this machine something listens at a robot's usual ports."""
+    base = port_base(robot)
+    return {there.host for there in _listening() if base <= there.port < base + SLOTS}
 
 
 def _listening() -> list[Address]:

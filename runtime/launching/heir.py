@@ -13,7 +13,7 @@ from pathlib import Path
 from runtime.config.deployment import Deployment, load
 from runtime.launching.children import Children, send
 from runtime.launching.havoc import Havoc
-from runtime.launching.record import read_log
+from runtime.launching.logs import read_log
 from runtime.launching.saying import say
 from runtime.launching.schedule import Schedule
 from runtime.launching.starting import spawn

@@ -3,9 +3,8 @@
 import socket
 from pathlib import Path
 
-from runtime.config.deployment import load
 from runtime.launching.failures import RunError
-from runtime.launching.record import read_log
+from runtime.launching.logs import read_log
 from runtime.wire import keys
 from runtime.wire.bus import Bus
 from runtime.wire.fields import MessageError
@@ -82,6 +81,8 @@ def silent_roles(told: list[Diag]) -> dict[str, str]:
     """Return the roles that belong to a run and say nothing, and why, as far as is known here."""
     if not told or not (file := Path(run_of(told).run) / "deployment.yaml").is_file():
         return {}
+    from runtime.config.deployment import load  # most of what a tool imports, if it does
+
     silent = {}
     for role in load(file, only_role=keys.PLANT).roles:
         if not any(diag.role == role for diag in told):

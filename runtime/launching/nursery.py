@@ -24,9 +24,11 @@ from runtime.launching.starting import LOST, Child, Task, start
 
 _NEEDED = (
     "runtime.verbs.agent",
+    "runtime.processes.agent_process",
+    "agents.joint",
+    "agents.platform",
     "runtime.processes.plant_process",
     "runtime.processes.goal_process",
-    "runtime.processes.agent_process",
 )
 """What some process of a robot imports."""
 _LONGEST = 1 << 16  # [bytes] of a question

@@ -1,6 +1,5 @@
 """What the plant logged of a run: the truth, which no process sees while it runs."""
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,6 +9,7 @@ import numpy as np
 
 from agents.agent import Array
 from plant.errors import MsmaError
+from runtime.launching.logs import read_log
 from runtime.wire.keys import PLANT, file_name
 
 
@@ -50,27 +50,6 @@ class Record:
     def end(self) -> Mapping[str, Any]:
         """The line of the plant's end, empty if it was killed."""
         return next((event for event in self.events if event["event"] == "end"), {})
-
-
-def read_log(run: Path, role: str, event: str | None = None) -> list[dict[str, Any]]:
-    """Return the lines of a process's log, or those of one kind of event, which is quicker.
-
-    A line cut short by a kill is left out.
-    """
-    wanted = "" if event is None else f'"event": "{event}"'
-    lines = []
-    try:
-        with (run / f"{file_name(role)}.jsonl").open(encoding="utf-8", errors="replace") as stream:
-            for line in stream:
-                if wanted not in line:
-                    continue
-                try:
-                    lines.append(json.loads(line))
-                except ValueError:
-                    continue
-    except FileNotFoundError:
-        return []
-    return lines
 
 
 def read_record(run: Path) -> Record:

@@ -11,7 +11,8 @@ from typing import Any
 
 from runtime.config.deployment import Deployment
 from runtime.launching.launcher import Course, Happening
-from runtime.launching.record import Record, read_log
+from runtime.launching.logs import read_log
+from runtime.launching.record import Record
 from runtime.launching.roster import Row
 from runtime.launching.table import columns, distance, milliseconds
 from runtime.launching.verdict import SETTLING, PlatformMotion, Tracking, Verdict

@@ -3,7 +3,6 @@
 import gc
 import os
 import random
-import secrets
 import signal
 import socket
 import sys
@@ -96,7 +95,9 @@ class Process:
             if deployment.credentials(self.role):
                 self._strangers = stack.enter_context(Strangers(self.refusals, self._note_joined))
             go_first()  # before the bus, whose threads are scheduled as this one is
-            self.bus = stack.enter_context(join(deployment, member, secrets.randbits(63)))
+            self.bus = stack.enter_context(
+                join(deployment, member, random.SystemRandom().getrandbits(63))
+            )
             found = run or run_of_others(self.bus)
             self.run = (found or new_run_folder(deployment.runs, deployment.robot)).absolute()
             self.journal = Journal(self.run, self.role)

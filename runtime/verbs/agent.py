@@ -5,7 +5,8 @@ from pathlib import Path
 
 from runtime.config.deployment import Member
 from runtime.config.options import add_deployment_options, load_from
-from runtime.config.tree import ConfigError, valid_are
+from runtime.config.spelling import valid_are
+from runtime.config.tree import ConfigError
 from runtime.processes.roles import live
 
 

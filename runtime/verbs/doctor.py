@@ -5,10 +5,11 @@ from pathlib import Path
 
 from runtime.config.deployment import load
 from runtime.launching.checkup import Grade, machine
-from runtime.launching.finding import add_target_options, target_of
+from runtime.launching.finding import target_of
 from runtime.launching.key_checkup import keys
 from runtime.launching.place_checkup import hosts, place
 from runtime.launching.table import columns
+from runtime.launching.target_options import add_target_options
 from runtime.wire.keys import PLANT
 from runtime.wire.ports import FIRST_COPY
 

@@ -4,7 +4,8 @@ import argparse
 import json
 import queue
 
-from runtime.launching.finding import add_target_options, target_of, visit
+from runtime.launching.finding import target_of, visit
+from runtime.launching.target_options import add_target_options
 from runtime.wire import keys
 from runtime.wire.fields import MessageError
 from runtime.wire.messages import FIELDS, unpack

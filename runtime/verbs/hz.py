@@ -6,7 +6,8 @@ from itertools import pairwise
 from statistics import pstdev
 
 from runtime.launching.failures import RunError
-from runtime.launching.finding import add_target_options, target_of, visit
+from runtime.launching.finding import target_of, visit
+from runtime.launching.target_options import add_target_options
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

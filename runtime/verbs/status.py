@@ -7,9 +7,10 @@ from collections.abc import Mapping
 
 from setproctitle import setproctitle
 
-from runtime.launching.finding import add_target_options, target_of, visit
+from runtime.launching.finding import target_of, visit
 from runtime.launching.local import diags, silent_roles
 from runtime.launching.table import HEADINGS, cells, columns, distance
+from runtime.launching.target_options import add_target_options
 from runtime.launching.watcher import View, Watcher
 
 _FRAME, _LEAST = 0.25, 0.01

@@ -4,7 +4,8 @@ import argparse
 import time
 
 from runtime.launching.failures import RunError
-from runtime.launching.finding import add_target_options, target_of, visit
+from runtime.launching.finding import target_of, visit
+from runtime.launching.target_options import add_target_options
 from runtime.wire import keys
 from runtime.wire.bus import Bus
 

@@ -10,7 +10,6 @@ import fcntl
 import os
 import re
 import sys
-import tempfile
 from collections import Counter
 from collections.abc import Callable
 from contextlib import suppress
@@ -151,6 +150,8 @@ def _turned_away(level: bytes, target: bytes, said: bytes) -> Turned | None:
 def _file_without_a_name() -> int:
     """Return a file that appends, in memory where the system has that."""
     if not hasattr(os, "memfd_create"):
+        import tempfile  # which imports as much again as all that this module does
+
         with tempfile.TemporaryFile("ab") as file:
             return os.dup(file.fileno())
     memory = os.memfd_create("strangers")

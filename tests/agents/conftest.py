@@ -19,7 +19,7 @@ def arph() -> Robot:
 @pytest.fixture
 def body(arph):
     def make(joint: int | None, period: float = 0.06, seed: int = 0) -> Body:
-        return Body(arph, joint, period, np.random.default_rng(seed))
+        return Body(arph, joint, period, seed)
 
     return make
 

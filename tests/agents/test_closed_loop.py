@@ -18,7 +18,7 @@ TABLE_1 = Line(start=(0.20, -0.18, 0.79), velocity=(0.0, -0.07, 0.02), duration=
 
 def mobile_agents(arph, period: float, **parameters) -> dict[str, Agent]:
     def body(joint):
-        return Body(arph, joint, period, np.random.default_rng([7, 0 if joint is None else joint]))
+        return Body(arph, joint, period, [7, 0 if joint is None else joint])
 
     agents: dict[str, Agent] = {
         f"joint/{i + 1}": JointAgent(body(i), **parameters) for i in range(3)
@@ -109,7 +109,7 @@ def test_a_planar_arm_reaches_random_goals_with_two_joints_locked(planar, percep
         plant.inject(Fault.parse(f"joint/{joint}:locked", planar))
     agents = {
         f"joint/{i + 1}": JointAgent(
-            Body(planar, i, period, np.random.default_rng([1, i])),
+            Body(planar, i, period, [1, i]),
             perception=perception,
             memory=1.0,
         )

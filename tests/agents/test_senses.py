@@ -23,7 +23,7 @@ def test_a_joint_sees_what_its_perception_takes(body, perception, sees):
 
 
 def test_the_joint_of_a_bolted_arm_needs_no_platform():
-    body = Body(load("planar5"), 0, 0.02, np.random.default_rng(0))
+    body = Body(load("planar5"), 0, 0.02, 0)
     assert JointAgent(body).sees == {"joints", "hand", "goal"}
 
 

@@ -16,7 +16,7 @@ from typing import Any, TypeVar
 import pytest
 
 from runtime.launching.finding import is_taken
-from runtime.launching.record import read_log
+from runtime.launching.logs import read_log
 from runtime.wire import keys
 from runtime.wire.bus import Bus
 from runtime.wire.mesh import LOOPBACK, on_loopback
