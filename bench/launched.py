@@ -28,13 +28,14 @@ class Launched:
         commanded: When it was started [s since 1970].
     """
 
-    def __init__(self, folder: Path, words: Sequence[str], *, spokes: bool) -> None:
+    def __init__(self, folder: Path, words: Sequence[str], *, spokes: bool, usual: bool) -> None:
         self._folder = folder
         self.commanded = time.time()
+        port = () if usual else ("--set", f"port={free_port()}")
         main = _MAIN.format(first=_SPOKES if spokes else "")
         with (folder / "said").open("ab") as said:
             self.process = subprocess.Popen(
-                [sys.executable, "-c", main, "launch", *words, "--set", f"port={free_port()}"],
+                [sys.executable, "-c", main, "launch", *words, *port],
                 cwd=folder,
                 env=environment(),
                 stdin=subprocess.DEVNULL,
@@ -73,13 +74,16 @@ class Launched:
 
 
 @contextmanager
-def launched(words: Sequence[str], *, spokes: bool = False) -> Iterator[Launched]:
+def launched(
+    words: Sequence[str], *, spokes: bool = False, usual: bool = False
+) -> Iterator[Launched]:
     """Launch with these words after `msma launch`; nothing is left of it afterwards.
 
     spokes: with links as in `bench.spokes` instead of those of a full mesh
+    usual: at the ports that its name gives it, where tools look for it, instead of free ones
     """
     with tempfile.TemporaryDirectory(prefix="msma-bench-") as place:
-        found = Launched(Path(place), words, spokes=spokes)
+        found = Launched(Path(place), words, spokes=spokes, usual=usual)
         try:
             yield found
         finally:

@@ -3,6 +3,7 @@
 import os
 import signal
 import subprocess
+import time
 from collections.abc import Callable
 from typing import Protocol
 
@@ -110,12 +111,13 @@ class Havoc:
         self._send(role, pids, signal.SIGSTOP)
 
     def _revive(self, role: str) -> None:
+        called = round(time.time(), 6)  # starting it is a part of what its return takes
         try:
             pid = self._children.revive(role, self._deployment.host_of(role))
         except RunError as error:
             self._happened(f"{role} cannot be started again: {error}")
         else:
-            self._note("revive", role, pids=[pid])
+            self._note("revive", role, wall=called, pids=[pid])
             self._show(f"{role} is started again")
 
     def _resume(self, event: ChaosEvent) -> None:

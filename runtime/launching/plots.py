@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
+from textwrap import shorten
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -19,6 +20,7 @@ from runtime.launching.verdict import goals
 _HAND, _GOAL, _PLATFORM, _CHAOS = "#0072B2", "#000000", "#E69F00", "#D55E00"
 _HEADINGS = 13  # arrows along the platform's way
 _POINTS = 2000  # enough for a line of this size
+_LONGEST = 48  # letters of what happened that leave room for the rest
 
 
 def draw(
@@ -97,7 +99,7 @@ def _mark(above: Axes, below: Axes, happenings: Sequence[Happening], end: float)
             axes.axvline(one.t, color=_CHAOS, lw=1)
         left = one.t > end / 2
         below.annotate(
-            one.text.partition(",")[0],  # what came of it is said elsewhere, in full
+            shorten(one.text.partition(",")[0], _LONGEST),  # it is said elsewhere, in full
             (one.t, 0.98 - 0.06 * (index % 6)),
             xycoords=("data", "axes fraction"),
             xytext=(-3 if left else 3, 0),
