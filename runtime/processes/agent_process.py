@@ -19,6 +19,8 @@ from runtime.wire.messages import JointCommand, PlatformCommand
 
 _PAUSE = 0.1  # of a period, without which a state has waited for the agent
 _AT_ONCE = 16  # messages of one kind that are looked at before a decision, however many wait
+_NEWEST = 3  # of a kind that is of use to a decision only: to read those that came since the last
+# one, at 1 kHz ten of each, would take three times as long as to decide
 _BLINK = 0.02  # [s] at least between two looks for a hand while no joint states come
 
 
@@ -52,13 +54,10 @@ class AgentLoop(Loop):
         sees = agent.sees
         self._others = [bus.ring(key) for key in keys.GOALS if "goal" in sees]
         if "base" in sees:
-            self._others.append(bus.ring(keys.PLATFORM))
+            self._others.append(bus.ring(keys.PLATFORM, _NEWEST))
         silence = None
-        if {
-            "joints",
-            "hand",
-        } <= sees:  # the joint states, which come last, or the hand if they fail
-            self._others.append(bus.ring(keys.HAND))
+        if sees >= {"joints", "hand"}:  # it goes by the joint states, and looks at the hand
+            self._others.append(bus.ring(keys.HAND, _NEWEST))
             silence = max(deployment.period / deployment.speed, _BLINK)
         command = keys.PLATFORM_COMMAND
         if self._joint is not None:
