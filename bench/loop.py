@@ -267,7 +267,7 @@ def thoughts(found: Mapping[int, Runs]) -> list[Table]:
             / rate
             for rate in rates
         ]
-        alone = _alone(thought_of(role, 1 / max(rates)))
+        alone = _alone(thought_of(role, 1 / max(rates)).whole)
         rows.append((role, f"{1e6 * alone:.0f}", *(f"{1e6 * each:.0f}" for each in more)))
     head = ("process", "again and again, alone", *(f"at {rate} Hz, among all" for rate in rates))
     return [Table("reading, thinking and writing, in us of a processor a tick", head, tuple(rows))]
@@ -290,7 +290,8 @@ NOTES = (
     "number of the tick back and do nothing else.",
     "Our agents answer every state, and decide 100 times a second at most: in between they answer "
     "with what they decided last, for within a twelfth of its horizon their law comes to the same. "
-    f"'{EAGER}' has that left out.",
+    "They answer first, and decide then, so that no answer waits for a decision. "
+    f"'{EAGER}' has both left out.",
     "Plain Zenoh that reads and decides does in each agent what our agent's law does for a "
     "decision, as often as ours, on percepts that were recorded, and a step of the simulation in "
     "the plant, and each reads and writes the messages of the wire contract that this takes at the "

@@ -9,6 +9,7 @@ and think about was recorded.
 import random
 from collections.abc import Callable, Sequence
 from itertools import cycle
+from typing import NamedTuple
 
 from agents.agent import Agent, Array, Percepts
 from bench.echo.load import AGENTS, GOAL, part_of
@@ -31,12 +32,26 @@ _RECORDED = 200  # ticks
 _UPRIGHT = (0.0, 0.0, 0.0, 1.0)
 
 
-def thought_of(role: str, period: float) -> Callable[[], object]:
+class Thought(NamedTuple):
+    """What a process does each tick: before it tells its message, and afterwards."""
+
+    before: Callable[[], object]
+    afterwards: Callable[[], object] = nothing
+
+    def whole(self) -> None:
+        """Do both."""
+        self.before()
+        self.afterwards()
+
+
+def thought_of(role: str, period: float) -> Thought:
     """Return what the process of a role reads, thinks and writes each tick of `period` [s]."""
     if role == GOAL:
-        return nothing
+        return Thought(nothing)
     run = arm_run(_RECORDED, period)
-    return _plant_of(run) if role == PLANT else _agent_of(run.agents[role], run.seen)
+    if role == PLANT:
+        return Thought(_plant_of(run))
+    return _agent_of(run.agents[role], run.seen, period)
 
 
 def _plant_of(run: ArmRun) -> Callable[[], object]:
@@ -55,28 +70,33 @@ def _plant_of(run: ArmRun) -> Callable[[], object]:
     return think
 
 
-def _agent_of(agent: Agent, seen: Sequence[Percepts]) -> Callable[[], object]:
-    """Read what calls for an answer, and decide as often as our agents do."""
+def _agent_of(agent: Agent, seen: Sequence[Percepts], period: float) -> Thought:
+    """Read what calls for an answer, and decide as often as our agents do: once that is told."""
     states = [_states(percepts) for percepts in seen]
     ticks = cycle(
         [(percepts, pack(base), pack(joints))
          for percepts, (base, _, joints) in zip(seen, states, strict=True)]
     )  # fmt: skip
     cadence, sees_base = Cadence(agent.rest, random.random()), "base" in agent.sees
-    decided = agent.decide(seen[0])
+    percepts, base, _ = next(ticks)
+    decided = agent.decide(percepts)
 
-    def think() -> None:
-        nonlocal decided
+    def answer() -> None:
+        nonlocal percepts, base
         percepts, base, joints = next(ticks)
         unpack(JointStates, joints)
+        assert decided is not None
+        pack(_command(percepts.t, decided))
+
+    def decide() -> None:
+        nonlocal decided
         if cadence.due(percepts.t):
             if sees_base:
                 unpack(PlatformPose, base)
             decided = agent.decide(percepts)
-        assert decided is not None
-        pack(_command(percepts.t, decided))
 
-    return think
+    assert agent.rest > period  # or ours would decide before they answer
+    return Thought(answer, decide)
 
 
 def _states(percepts: Percepts) -> tuple[Message, ...]:
@@ -102,7 +122,7 @@ def _command(t: float, wanted: Array | float) -> Message:
 def main() -> None:
     """Be the part that the command line names."""
     part = part_of()
-    be(part, thought_of(part.role, 1 / part.rate))
+    be(part, *thought_of(part.role, 1 / part.rate))
 
 
 if __name__ == "__main__":

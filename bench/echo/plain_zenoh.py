@@ -34,14 +34,16 @@ def main() -> None:
     be(part_of())
 
 
-def be(part: Part, think: Callable[[], object] = nothing) -> None:
-    """Be that part, and `think` before each message that is told."""
+def be(
+    part: Part, think: Callable[[], object] = nothing, afterwards: Callable[[], object] = nothing
+) -> None:
+    """Be that part, and `think` before each message that is told and `afterwards`."""
     slot = ROLES.index(part.role)
     with zenoh.open(config("echo", on_loopback(part.port, len(ROLES)).seat(slot))) as session:
         if part.role == "plant":
             _plant(session, part, think)
         else:
-            _answer(session, part, think)
+            _answer(session, part, think, afterwards)
 
 
 def _publisher(session: zenoh.Session, key: str, *, express: bool = True) -> zenoh.Publisher:
@@ -79,7 +81,12 @@ def _plant(session: zenoh.Session, part: Part, think: Callable[[], object]) -> N
     be_plant(part, tell, heard)
 
 
-def _answer(session: zenoh.Session, part: Part, think: Callable[[], object]) -> None:
+def _answer(
+    session: zenoh.Session,
+    part: Part,
+    think: Callable[[], object],
+    afterwards: Callable[[], object],
+) -> None:
     key = GOAL if part.role == GOAL else command_key(part.role)
     out = _publisher(session, key)
     states = session.declare_subscriber(JOINT_STATES, RingChannel(1))
@@ -92,6 +99,7 @@ def _answer(session: zenoh.Session, part: Part, think: Callable[[], object]) -> 
         ]  # fmt: skip
 
         def newest() -> bytes:
+            afterwards()  # once it has told its answer to the state before
             state = states.recv().payload.to_bytes()
             for other in others:
                 while (sample := other.try_recv()) is not None:

@@ -49,6 +49,7 @@ class AgentLoop(Loop):
         self._backlog = Backlog(deployment.period, deployment.speed)
         self._pause = _PAUSE * deployment.period / deployment.speed
         self._cadence = Cadence(agent.rest, random.random())
+        self._tells_first = agent.rest > deployment.period
         self._wanted: Array | float | None = None
         self._done, self._paused = 0.0, False
         sees = agent.sees
@@ -94,19 +95,31 @@ class AgentLoop(Loop):
         self._done = time.monotonic()
 
     def _answer(self, now: float) -> None:
-        """Tell what is wanted: what is decided where that is of use, else what was before."""
+        """Tell what is wanted.
+
+        Where states come more often than new decisions are of use, that is what was decided last,
+        and only then is anything decided: so no state waits for a thought.
+        """
         t = self._senses.t
-        if self._cadence.due(t) or self._wanted is None:
-            percepts = self._percepts(now)
-            if percepts is None:
-                self._wanted = None
-                return
-            t, self._wanted = percepts.t, self._decided(percepts)
+        due = self._cadence.due(t)
+        if self._wanted is None or (due and not self._tells_first):
+            t, due = self._decide(now, t), False
         self._process.t = t
         if self._process.life:
             self._process.life.plant_heard(t, now)
         if self._wanted is not None:
             self._tell(t, self._wanted)
+        if due:
+            self._decide(now, t)
+
+    def _decide(self, now: float, t: float) -> float:
+        """Decide what is wanted, and return the moment [s] that this is an answer to."""
+        percepts = self._percepts(now)
+        if percepts is None:
+            self._wanted = None
+            return t
+        self._wanted = self._decided(percepts)
+        return percepts.t
 
     def _percepts(self, now: float) -> Percepts | None:
         for arrival in self._lately():

@@ -60,26 +60,39 @@ class Counts(Agent):
         return 1e-6 * len(self.times)
 
 
-def test_every_state_is_answered_and_no_more_decisions_made_than_are_of_use(crew: Crew) -> None:
-    agent = Counts()
+def answers_of(agent: Counts, crew: Crew, period: str, count: int) -> list[JointCommand]:
+    """What an agent tells a plant that moves, of so many answers."""
     ring = crew.visit().ring(keys.joint_command(1), depth=4000)
     said: list[JointCommand] = []
 
     def heard() -> bool:
         said.extend(unpack(JointCommand, one.data) for one in ring.waiting(4000))
-        return len(said) >= 200
+        return len(said) >= count
 
     def looks() -> None:
         wait_for(lambda: crew.diag(crew.visit(), "plant"), "the plant, whose time stands still")
         agent.silent = False  # what wants nothing yet is asked again, though no time has passed
         wait_for(heard, "answers")
 
-    live_as_joint_1(crew, agent, "2 ms", looks)
-    moving = [command for command in said if command.t > 0]
+    live_as_joint_1(crew, agent, period, looks)
+    return [command for command in said if command.t > 0]
+
+
+def test_every_state_is_answered_and_no_more_decisions_made_than_are_of_use(crew: Crew) -> None:
+    agent = Counts()
+    moving = answers_of(agent, crew, "2 ms", 200)
     spells = (moving[-1].t - moving[0].t) / REST
     assert len(set(agent.times)) <= spells + 3
     assert len(moving) > 1.5 * spells, "the states in between are answered as well"
     thought = dict(zip(agent.times, range(1, len(agent.times) + 1), strict=True))
     for command in moving:
-        last = max(t for t in agent.times if t <= command.t)
-        assert command.velocity == pytest.approx(1e-6 * thought[last]), "what was wanted last"
+        before = max((t for t in agent.times if t < command.t), default=agent.times[0])
+        assert command.velocity == pytest.approx(1e-6 * thought[before]), "no state waits"
+
+
+def test_states_that_come_more_rarely_are_answered_by_a_decision_on_each(crew: Crew) -> None:
+    agent = Counts()
+    moving = answers_of(agent, crew, "20 ms", 20)
+    thought = dict(zip(agent.times, range(1, len(agent.times) + 1), strict=True))
+    for command in moving:
+        assert command.velocity == pytest.approx(1e-6 * thought[command.t])
