@@ -95,8 +95,13 @@ def _dials(protocol: str, place: Place) -> list[str]:
     return often + [f"{protocol}/{there}#retry_period_max_ms={_RARELY}" for there in place.rarely]
 
 
+_MANY_PEERS = "net: (max_blocking_threads: 1024)"
+"""Zenoh has a thread wait for each connection that it makes or closes. There are 50 by default, and
+once all wait for others to be free it stands still for good, as a robot's processes did from some
+sixty on. Those that are not needed are never made."""
 _ONE_THREAD = (
-    "(app: (handover: net), acc: (handover: net), tx: (handover: net), rx: (handover: net))"
+    f"({_MANY_PEERS}, "
+    "app: (handover: net), acc: (handover: net), tx: (handover: net), rx: (handover: net))"
 )
 
 
@@ -111,5 +116,5 @@ def _provide_threads(elsewhere: int) -> None:
     was inherited from a process that had no remote peers does not count.
     """
     if os.environ.get("ZENOH_RUNTIME", _ONE_THREAD) == _ONE_THREAD:
-        many = f"(rx: (worker_threads: {2 + 2 * elsewhere}))"
+        many = f"({_MANY_PEERS}, rx: (worker_threads: {2 + 2 * elsewhere}))"
         os.environ["ZENOH_RUNTIME"] = many if elsewhere else _ONE_THREAD
