@@ -98,7 +98,7 @@ class Robot:
     """A robot of a name of its own, with `msma` as a person would use it from another folder."""
 
     def __init__(self, folder: Path, stack: ExitStack) -> None:
-        self.name = _free_name()
+        self.name = _free_name(folder)
         self.folder = folder / self.name
         self.folder.mkdir()
         self.environment = {**os.environ, "PYTHONPATH": str(ROOT)}
@@ -196,12 +196,13 @@ class Robot:
         wait_for(lambda: not self.processes(), "all processes to be gone")
 
 
-def _free_name() -> str:
-    """Return a robot's name whose ports are free."""
+def _free_name(folder: Path) -> str:
+    """Return a robot's name whose ports are free, and not those of another robot of that folder."""
+    others = {port_base(other.name) for other in folder.iterdir()}  # which may not run yet
     while True:
         name = f"test-{os.getpid()}-{random.randrange(10**6)}"
         base = port_base(name)
-        if not any(map(is_taken, range(base, base + SLOTS))):
+        if base not in others and not any(map(is_taken, range(base, base + SLOTS))):
             return name
 
 
