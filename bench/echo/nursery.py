@@ -13,11 +13,11 @@ import json
 import os
 import signal
 import sys
-import traceback
 from collections.abc import Sequence
+from functools import partial
 from importlib import import_module
 
-from runtime.launching.nursery import import_all
+from runtime.launching.nursery import copied, import_all
 from runtime.processes.scheduling import go_first
 
 BORN = "born"
@@ -31,31 +31,22 @@ def main() -> None:
     for name, *_ in commands:
         import_module(name)
     gc.freeze()  # so that collecting garbage does not make the copies' memory their own
-    pids = [_copy(command, first=index == 0) for index, command in enumerate(commands)]
+    pids = [copied(partial(_be, command, index == 0)) for index, command in enumerate(commands)]
     print(json.dumps({"event": BORN, "pids": pids}), flush=True)
     sys.stdin.read()
     for pid in pids:
         os.kill(pid, signal.SIGKILL)
 
 
-def _copy(command: Sequence[str], *, first: bool) -> int:
-    """Return the id of a copy of this process that runs the module's `main`."""
-    if pid := os.fork():
-        return pid
-    code = 1
-    try:
-        nothing = os.open(os.devnull, os.O_RDWR)
-        os.dup2(nothing, 0)
-        if not first:
-            os.dup2(nothing, 1)
-        go_first()  # all sides alike
-        sys.argv = list(command)
-        code = import_module(command[0]).main() or 0
-    except BaseException:
-        traceback.print_exc()
-    finally:
-        sys.stdout.flush()
-        os._exit(code)
+def _be(command: Sequence[str], first: bool) -> int:
+    """Run the module's `main` in this process."""
+    nothing = os.open(os.devnull, os.O_RDWR)
+    os.dup2(nothing, 0)
+    if not first:
+        os.dup2(nothing, 1)
+    go_first()  # all sides alike
+    sys.argv = list(command)
+    return import_module(command[0]).main() or 0
 
 
 if __name__ == "__main__":

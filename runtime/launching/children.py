@@ -109,18 +109,19 @@ class Children:
 
     def start(self, crew: Iterable[Member]) -> None:
         """Start some processes, all at once."""
-        tasks = [Task(role, self.run, host if copy else None) for role, host, copy in crew]
-        self._outs.update(task.out for task in tasks)
-        self._living += [(task, self._nursery.start(task)) for task in tasks]
+        for role, host, copy in crew:
+            self._start(Task(role, self.run, host if copy else None))
 
     def revive(self, role: str, home: str, *, copy: bool = False) -> int:
         """Start one more process for a role, and return its id; see `Crew`."""
         copy = copy or bool(logged(self.run, role))
-        task = Task(role, self.run, home if copy else None)
+        return self._start(Task(role, self.run, home if copy else None)).pid
+
+    def _start(self, task: Task) -> Child:
         self._outs.add(task.out)
         child = self._nursery.start(task)
         self._living.append((task, child))
-        return child.pid
+        return child
 
     def pids(self, role: str) -> list[int]:
         """Return the ids of a role's processes, the one that was started last at the end."""

@@ -50,13 +50,13 @@ def target_of(args: argparse.Namespace) -> Target:
         return Target(deployment.robot, deployment.mesh, deployment.credentials(OPERATOR))
     if args.robot is not None:
         if _places(args.robot) <= {LOOPBACK}:
-            return Target(args.robot, on_loopback(port_base(args.robot)))
+            return _at_home(args.robot)
         return _by_its_file(args.robot, robots_here())
     running = robots_here()
     if len(running) == 1:
         robot = next(iter(running))
         if _places(robot) == {LOOPBACK}:
-            return Target(robot, on_loopback(port_base(robot)))
+            return _at_home(robot)
         return _by_its_file(robot, running)
     if running:
         raise RunError(f"several robots run here: {', '.join(running)}; say which: --robot NAME")
@@ -91,6 +91,10 @@ def _by_its_file(robot: str, running: Mapping[str, str]) -> Target:
         deployment = load(running.get(robot, ""), only_role=keys.PLANT)
         if deployment.robot == robot:
             return Target(robot, deployment.mesh, deployment.credentials(OPERATOR))
+    return _at_home(robot)
+
+
+def _at_home(robot: str) -> Target:
     return Target(robot, on_loopback(port_base(robot)))
 
 

@@ -12,10 +12,12 @@ import signal
 import socket
 import sys
 import traceback
+from collections.abc import Callable
 from contextlib import suppress
+from functools import partial
 from importlib import import_module
 from pathlib import Path
-from typing import Never, Self
+from typing import Self
 
 from setproctitle import setproctitle
 
@@ -48,12 +50,7 @@ class Nursery:
         if not _can_be_copied():
             return
         self._line, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-        sys.stdout.flush()
-        sys.stderr.flush()
-        self._pid = os.fork()
-        if self._pid == 0:
-            self._line.close()
-            _tend(theirs)
+        self._pid = copied(partial(_tend, self._line, theirs))
         theirs.close()
         self._line.settimeout(_PATIENCE)
 
@@ -72,7 +69,8 @@ class Nursery:
             os.waitpid(self._pid, 0)
 
     def start(self, task: Task) -> Child:
-        """Start a process."""
+        """Start a process; `OSError` if what it has to say cannot be written."""
+        task.out.touch()  # nobody would hear of it from a copy
         pid = self.ask("start", str(task.run), task.role, task.copy)
         return start(task) if pid is None else _Copy(self, pid)
 
@@ -126,43 +124,15 @@ def _is_readable(handle: int) -> bool:
     return bool(poll.poll(0))
 
 
-def _can_be_copied() -> bool:
-    """Tell whether this process has one thread only; false where that cannot be known."""
-    try:
-        return len(os.listdir("/proc/self/task")) == 1 and hasattr(os, "pidfd_open")
-    except OSError:
-        return False
-
-
-def _tend(line: socket.socket) -> Never:
-    """Be the nursery: do what is asked for until nobody can ask any more."""
-    try:
-        _leave_the_parent(Path(os.devnull))
-        setproctitle("msma nursery")
-        import_all()
-        gc.freeze()  # so that collecting garbage does not make the copies' memory their own
-        while question := line.recv(_LONGEST):
-            match json.loads(question):
-                case "start", run, role, copy:
-                    number = _copied(line, Task(role, Path(run), copy))
-                case "reap", pid:
-                    number = os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1])
-            line.send(json.dumps(number).encode())
-    finally:
-        os._exit(0)
-
-
-def _copied(line: socket.socket, task: Task) -> int:
-    """Return the id of a copy of this process that does the task."""
+def copied(do: Callable[[], int]) -> int:
+    """Return the id of a copy of this process that does that, and ends with the code it returns."""
+    sys.stdout.flush()
+    sys.stderr.flush()
     if pid := os.fork():
         return pid
     code = 1
     try:
-        line.close()
-        _leave_the_parent(task.out)
-        shown = task.arguments[:3] + ["--copy"] * (task.copy is not None)
-        setproctitle(" ".join(("msma", *shown)))
-        code = cli.main(task.arguments)
+        code = do()
     except BaseException as error:
         code = error.code if isinstance(error, SystemExit) and type(error.code) is int else 1
         traceback.print_exc()
@@ -171,6 +141,47 @@ def _copied(line: socket.socket, task: Task) -> int:
             sys.stdout.flush()
             sys.stderr.flush()
         os._exit(code)
+
+
+def _can_be_copied() -> bool:
+    """Tell whether this process has one thread only, and the system tells when any process ends.
+
+    False where that cannot be found out.
+    """
+    try:
+        os.close(os.pidfd_open(os.getpid()))
+        return len(os.listdir("/proc/self/task")) == 1
+    except (AttributeError, OSError):
+        return False
+
+
+def _tend(ours: socket.socket, line: socket.socket) -> int:
+    """Be the nursery: do what is asked for until nobody can ask any more.
+
+    ours: the other end, which is for who made the nursery
+    """
+    ours.close()
+    _leave_the_parent(Path(os.devnull))
+    setproctitle("msma nursery")
+    import_all()
+    gc.freeze()  # so that collecting garbage does not make the copies' memory their own
+    while question := line.recv(_LONGEST):
+        match json.loads(question):
+            case "start", run, role, copy:
+                number = copied(partial(_do, Task(role, Path(run), copy), line))
+            case "reap", pid:
+                number = os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1])
+        line.send(json.dumps(number).encode())
+    return 0
+
+
+def _do(task: Task, line: socket.socket) -> int:
+    """Do a task, as a process by itself."""
+    line.close()
+    _leave_the_parent(task.out)
+    shown = task.arguments[:3] + ["--copy"] * (task.copy is not None)
+    setproctitle(" ".join(("msma", *shown)))
+    return cli.main(task.arguments)
 
 
 def _leave_the_parent(out: Path) -> None:

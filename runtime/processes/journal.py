@@ -37,7 +37,7 @@ class Journal:
         self._writing = threading.Lock()
 
     def write(self, t: float, event: str, **more: Any) -> None:
-        """Note an event at plant time `t` [s]."""
+        """Note an event at plant time `t` [s]; with a `wall` if it was not just now."""
         self.line(json.dumps({"wall": round(time.time(), 6), "t": t, "event": event, **more}))
 
     def line(self, line: str) -> None:

@@ -8,7 +8,9 @@ from pathlib import Path
 
 import pytest
 
+from runtime.config.deployment import Member
 from runtime.launching import nursery as nurseries
+from runtime.launching.children import Children, lives
 from runtime.launching.nursery import Nursery
 from runtime.launching.starting import LOST, Child, Task
 from tests.runtime.conftest import wait_for
@@ -53,6 +55,24 @@ def test_an_id_stays_its_own_until_its_end_was_heard_of(nursery: Nursery, tmp_pa
     assert not Path(f"/proc/{child.pid}").exists()
 
 
+def test_nothing_is_started_that_could_not_say_why_it_fails(
+    nursery: Nursery, tmp_path: Path
+) -> None:
+    with pytest.raises(FileNotFoundError, match=r"joint-1\.out"):
+        nursery.start(task(tmp_path / "nowhere"))
+
+
+def test_if_one_cannot_be_started_those_before_it_are_not_forgotten(tmp_path: Path) -> None:
+    (tmp_path / "joint-2.out").symlink_to(tmp_path / "nowhere" / "joint-2.out")
+    children = Children(tmp_path)
+    with pytest.raises(OSError, match=r"joint-2\.out"):
+        children.start(Member(f"joint/{number}", "here") for number in (1, 2, 3))
+    assert len(children) == 1
+    (first,) = wait_for(children.ended, "the end of the first")
+    assert (first.role, first.code) == ("joint/1", 2)
+    children.tidy()
+
+
 def test_who_is_killed_ends_by_that_signal(nursery: Nursery, tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "deployment.yaml")  # it waits for who writes into it
     child = nursery.start(task(tmp_path))
@@ -75,7 +95,7 @@ def test_without_its_nursery_a_process_goes_on_and_others_run_python_anew(
         assert ended(child) == code
 
 
-def test_a_nursery_ends_with_whoever_made_it_and_leaves_no_zombie(tmp_path: Path) -> None:
+def test_a_nursery_ends_with_whoever_made_it(tmp_path: Path) -> None:
     pid = os.fork()
     if pid == 0:
         child = Nursery().start(task(tmp_path))
@@ -84,15 +104,7 @@ def test_a_nursery_ends_with_whoever_made_it_and_leaves_no_zombie(tmp_path: Path
     os.waitpid(pid, 0)
     nursery = int((tmp_path / "nursery").read_text())
     assert nursery != pid
-    wait_for(lambda: not is_alive(nursery), "the nursery to end")
-
-
-def is_alive(pid: int) -> bool:
-    try:
-        state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
-    except OSError:
-        return False
-    return state != "Z"  # which is for who inherited it to end
+    wait_for(lambda: not lives(nursery), "the nursery to end")
 
 
 def test_a_process_of_several_threads_runs_python_anew(tmp_path: Path) -> None:
