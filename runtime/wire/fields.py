@@ -13,6 +13,8 @@ from runtime.wire.refusals import Reason
 
 LIMIT = 1e9
 """No quantity of ours is larger, whatever its SI unit: 30 years, or twice to the moon."""
+COUNTS = 1 << 63
+"""Counts are below this."""
 MOST_JOINTS = 64
 
 Numbers = tuple[float, ...]
@@ -71,7 +73,7 @@ def count(value: Any, name: str) -> int:
     """Read a whole number from 0 to 2^63 - 1."""
     if type(value) is not int:
         raise _mistyped(value, name, "a whole number")
-    if not 0 <= value < 1 << 63:
+    if not 0 <= value < COUNTS:
         raise MessageError(Reason.OUT_OF_RANGE, f"{name} is {value}, wanted 0 to 2^63 - 1")
     return value
 

@@ -1,6 +1,6 @@
 """The messages of the wire contract: what they hold, and how they travel as msgpack maps.
 
-One table says every field of every message; packing and unpacking walk along it. A message
+One table says every field of every message; what packs and unpacks is made of it. A message
 that `unpack` returns is sound: the right types and lengths, finite, within bounds.
 """
 
@@ -9,6 +9,7 @@ from typing import Any, NamedTuple, TypeVar
 
 import msgpack
 
+from runtime.wire.codec import reader, writer
 from runtime.wire.fields import (
     MOST_JOINTS,
     Field,
@@ -182,14 +183,8 @@ FIELDS: Mapping[type[Any], tuple[Field, ...]] = {
     ),
 }
 """What each kind of message holds, in the order of its class."""
-_WRITING = {
-    kind: (
-        [field.name for field in fields],
-        [(field.name, field.write) for field in fields if field.write is not None],
-    )
-    for kind, fields in FIELDS.items()
-}
-"""The names of its fields, and those that msgpack does not write as they are, with what does."""
+_READ = {kind: reader(kind, fields) for kind, fields in FIELDS.items()}
+_WRITE = {kind: writer(fields) for kind, fields in FIELDS.items()}
 
 
 def stamp(message: M, by: int, n: int) -> M:
@@ -199,11 +194,7 @@ def stamp(message: M, by: int, n: int) -> M:
 
 def pack(message: Message) -> bytes:
     """Return the message as it travels."""
-    names, written = _WRITING[type(message)]
-    wire = dict(zip(names, message, strict=True))
-    for name, write in written:
-        wire[name] = write(wire[name])
-    packed: bytes = msgpack.packb(wire)
+    packed: bytes = msgpack.packb(_WRITE[type(message)](message))
     return packed
 
 
@@ -226,7 +217,7 @@ def unpack(kind: type[M], data: bytes) -> M:
     if type(wire) is not dict:
         raise MessageError(Reason.NOT_A_MAP, f"it is {type(wire).__name__}")
     try:
-        message = tuple.__new__(kind, [read(wire[name], name) for name, read, _ in FIELDS[kind]])
+        message: M = _READ[kind](wire)
     except KeyError as error:
         raise MessageError(Reason.MISSING, f"there is no {error}") from None
     if isinstance(message, JointStates) and len(message.position) != len(message.velocity):
