@@ -3,12 +3,12 @@
 import random
 import time
 import traceback
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from math import isfinite
 
 import numpy as np
 
-from agents.agent import Agent, Array, Percepts
+from agents.agent import Agent, Percepts
 from runtime.processes.backlog import Backlog
 from runtime.processes.cadence import Cadence
 from runtime.processes.process import Loop, Process
@@ -19,8 +19,8 @@ from runtime.wire.messages import JointCommand, PlatformCommand
 
 _PAUSE = 0.1  # of a period, without which a state has waited for the agent
 _AT_ONCE = 16  # messages of one kind that are looked at before a decision, however many wait
-_NEWEST = 3  # of a kind that is of use to a decision only: to read those that came since the last
-# one, at 1 kHz ten of each, would take three times as long as to decide
+_NEWEST = 2  # of a kind that is of use to a decision only, so that a stray one hides no sound one:
+# to read all that came since the last decision would at 1 kHz take longer than to decide
 _BLINK = 0.02  # [s] at least between two looks for a hand while no joint states come
 
 
@@ -42,15 +42,17 @@ class AgentLoop(Loop):
         super().__init__()
         deployment, bus = process.deployment, process.bus
         self._process, self._agent = process, agent
-        self._joint = deployment.agent(process.role).joint
-        self._shape = (2,) if self._joint is None else ()
+        joint = deployment.agent(process.role).joint
+        self._shape: tuple[int, ...] = (2,) if joint is None else ()
+        self._command: Callable[..., JointCommand | PlatformCommand]
+        self._command = PlatformCommand if joint is None else JointCommand
         fresh = freshness(deployment.period, deployment.speed)
         self._senses = Senses(deployment.description.robot, fresh, process.refusals)
         self._backlog = Backlog(deployment.period, deployment.speed)
         self._pause = _PAUSE * deployment.period / deployment.speed
         self._cadence = Cadence(agent.rest, random.random())
         self._tells_first = agent.rest > deployment.period
-        self._wanted: Array | float | None = None
+        self._wanted: tuple[float, ...] | None = None  # speeds
         self._done, self._paused = 0.0, False
         sees = agent.sees
         self._others = [bus.ring(key) for key in keys.GOALS if "goal" in sees]
@@ -60,10 +62,9 @@ class AgentLoop(Loop):
         if sees >= {"joints", "hand"}:  # it goes by the joint states, and looks at the hand
             self._others.append(bus.ring(keys.HAND, _NEWEST))
             silence = max(deployment.period / deployment.speed, _BLINK)
-        command = keys.PLATFORM_COMMAND
-        if self._joint is not None:
-            command = keys.joint_command(self._joint + 1)
-        self._out = bus.publisher(command)
+        self._out = bus.publisher(
+            keys.PLATFORM_COMMAND if joint is None else keys.joint_command(joint + 1)
+        )
         board = keys.JOINTS if "joints" in sees or "hand" not in sees else keys.HAND
         self._board = bus.reflex(board, self._perceive, silence)
 
@@ -76,12 +77,11 @@ class AgentLoop(Loop):
         """React to the plant until the bus is closed."""
         self._board.run()
 
-    def _perceive(self, arrivals: Sequence[Arrival]) -> None:
+    def _perceive(self, arrivals: Sequence[Arrival], now: float) -> None:
         """Take what came, and answer if it calls for that and no newer state waits behind it.
 
         If nothing came for a while it looks for what else there may be to go by.
         """
-        now = time.monotonic()
         self._paused = self._paused or now - self._done > self._pause
         due = False
         for arrival in arrivals or self._lately():
@@ -108,7 +108,7 @@ class AgentLoop(Loop):
         if self._process.life:
             self._process.life.plant_heard(t, now)
         if self._wanted is not None:
-            self._tell(t, self._wanted)
+            self._out.send(self._command(t, *self._wanted))
         if due:
             self._decide(now, t)
 
@@ -131,29 +131,29 @@ class AgentLoop(Loop):
         for ring in self._others:
             yield from ring.waiting(_AT_ONCE)
 
-    def _decided(self, percepts: Percepts) -> Array | float | None:
-        """Return the velocity wanted; None if the agent wants nothing, or fails."""
+    def _decided(self, percepts: Percepts) -> tuple[float, ...] | None:
+        """Return the speeds wanted; None if the agent wants nothing, or fails."""
         idle = percepts.goal is None and "goal" in self._agent.sees
         self.state = "waits for a goal" if idle else "runs"
         try:
             decided: object = self._agent.decide(percepts)
-            if decided is None or type(decided) is float:
-                return decided
-            return np.asarray(decided, dtype=np.float64)
+            if decided is None:
+                return None
+            if type(decided) is float:
+                return self._sound((), (decided,))
+            wanted = np.asarray(decided, dtype=np.float64)
+            return self._sound(wanted.shape, tuple(wanted.ravel().tolist()))
         except Exception as error:  # an agent may be anybody's
             self._process.refusals.count("decide", type(error).__name__, traceback.format_exc())
             return None
 
-    def _tell(self, t: float, wanted: Array | float) -> None:
-        """Send the velocity wanted in answer to the state of `t` [s]."""
-        shape = () if isinstance(wanted, float) else wanted.shape
+    def _sound(self, shape: tuple[int, ...], speeds: tuple[float, ...]) -> tuple[float, ...] | None:
+        """Return the speeds if they are what this role's motor takes."""
+        count = self._process.refusals.count
         if shape != self._shape:
-            self._process.refusals.count(
-                "decide", f"a command of shape {shape}", f"wanted {self._shape}"
-            )
-        elif not (isfinite(wanted) if isinstance(wanted, float) else np.isfinite(wanted).all()):
-            self._process.refusals.count("decide", "a command that is not finite")
-        elif isinstance(wanted, float) or self._joint is not None:
-            self._out.send(JointCommand(t, float(wanted)))
-        else:
-            self._out.send(PlatformCommand(t, float(wanted[0]), float(wanted[1])))
+            count("decide", f"a command of shape {shape}", f"wanted {self._shape}")
+            return None
+        if not all(map(isfinite, speeds)):
+            count("decide", "a command that is not finite")
+            return None
+        return speeds

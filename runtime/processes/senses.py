@@ -12,7 +12,7 @@ from runtime.wire.arrival import Arrival
 from runtime.wire.ear import Ear
 from runtime.wire.fields import MessageError
 from runtime.wire.goal_ear import GoalEar
-from runtime.wire.messages import GoalMessage, HandPose, JointStates, PlatformPose
+from runtime.wire.messages import HandPose, JointStates, PlatformPose
 from runtime.wire.refusals import Reason, Refusals
 
 S = TypeVar("S", HandPose, JointStates, PlatformPose)
@@ -32,11 +32,12 @@ class Senses:
     """
 
     def __init__(self, robot: Robot, fresh: float, refusals: Refusals) -> None:
+        n = robot.n
+
         def of_this_robot(states: JointStates) -> None:
-            if len(states.position) != robot.n:
+            if len(states.position) != n:
                 raise MessageError(
-                    Reason.WRONG_LENGTH,
-                    f"{len(states.position)} joints, and the robot has {robot.n}",
+                    Reason.WRONG_LENGTH, f"{len(states.position)} joints, and the robot has {n}"
                 )
 
         self._hand = Ear(keys.HAND, HandPose, fresh, refusals)
@@ -47,7 +48,7 @@ class Senses:
         self._states: deque[JointStates] = deque(maxlen=_KEPT)
         self._bases: deque[PlatformPose] = deque(maxlen=_KEPT)
         self._refusals = refusals
-        self._goal_known: tuple[GoalMessage, Goal] | None = None
+        self._goal_known: tuple[tuple[object, ...], Goal] | None = None
         self.t = 0.0
 
     def take(self, arrival: Arrival, now: float) -> bool:
@@ -107,14 +108,11 @@ class Senses:
         message = self._goal.obeyed(now)
         if message is None:
             return None
-        if self._goal_known is None or self._goal_known[0] is not message:
-            goal = Goal(
-                np.array(message.position),
-                np.array(message.velocity),
-                message.since,
-                message.until,
-            )
-            self._goal_known = (message, goal)
+        piece = message[1:-2]
+        if self._goal_known is None or self._goal_known[0] != piece:
+            position, velocity, since, until = piece
+            goal = Goal(np.array(position), np.array(velocity), since, until)
+            self._goal_known = (piece, goal)
         return self._goal_known[1]
 
 

@@ -1,5 +1,6 @@
 """What comes from the bus: a key and bytes, whatever the bus is made of."""
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import zenoh
@@ -14,6 +15,16 @@ class Arrival(NamedTuple):
 
     key: str
     data: bytes
+
+
+def reader(expression: str) -> Callable[[zenoh.Sample], Arrival]:
+    """Return what reads the samples that come on a key expression.
+
+    Where that is but one key, no sample is asked for it again.
+    """
+    if "*" in expression:
+        return arrival_of
+    return lambda sample: Arrival(expression, data_of(sample.payload))
 
 
 def arrival_of(sample: zenoh.Sample) -> Arrival:

@@ -16,7 +16,7 @@ from zenoh.handlers import Callback, Handler, RingChannel
 
 from plant.errors import MsmaError
 from runtime.wire import keys
-from runtime.wire.arrival import Arrival, arrival_of, data_of
+from runtime.wire.arrival import Arrival, data_of, reader
 from runtime.wire.direct import Reflex, Tray, directly
 from runtime.wire.mesh import Place
 from runtime.wire.messages import Message, pack, stamp
@@ -76,8 +76,12 @@ def send_together(messages: Sequence[tuple[Publisher, Message]]) -> None:
 class Ring:
     """The last few messages on a key expression, for a loop that waits for them."""
 
-    def __init__(self, subscriber: zenoh.Subscriber[Handler[zenoh.Sample]]) -> None:
-        self._subscriber = subscriber
+    def __init__(
+        self,
+        subscriber: zenoh.Subscriber[Handler[zenoh.Sample]],
+        read: Callable[[zenoh.Sample], Arrival],
+    ) -> None:
+        self._subscriber, self._read = subscriber, read
 
     def recv(self) -> Arrival:
         """Wait for the oldest of them; `BusError` once the bus is closed."""
@@ -85,7 +89,7 @@ class Ring:
             sample = self._subscriber.recv()
         except zenoh.ZError as error:
             raise BusError(f"the bus is closed: {error}") from None
-        return arrival_of(sample)
+        return self._read(sample)
 
     def waiting(self, most: int) -> Iterator[Arrival]:
         """Yield those that wait already, at most that many, so that a flood has an end."""
@@ -96,7 +100,7 @@ class Ring:
                 raise BusError(f"the bus is closed: {error}") from None
             if sample is None:
                 return
-            yield arrival_of(sample)
+            yield self._read(sample)
 
 
 class Bus:
@@ -158,7 +162,7 @@ class Bus:
 
     def ring(self, key: str, depth: int = 8) -> Ring:
         """Return the last `depth` messages on a key expression, for a loop to wait for."""
-        return Ring(self._session.declare_subscriber(key, RingChannel(depth)))
+        return Ring(self._session.declare_subscriber(key, RingChannel(depth)), reader(key))
 
     def tray(self, *expressions: str, depth: int = 4096) -> Tray:
         """Return what comes on some key expressions, the last `depth` messages of it.
@@ -174,11 +178,11 @@ class Bus:
     def reflex(
         self,
         expression: str,
-        react: Callable[[Sequence[Arrival]], None],
+        react: Callable[[Sequence[Arrival], float], None],
         silence: float | None = None,
     ) -> Reflex:
         """Return what reacts to each message on a key expression, and to silence, once it runs."""
-        reflex = Reflex(react, silence)
+        reflex = Reflex(reader(expression), react, silence)
         self._session.declare_subscriber(expression, directly(reflex.put))
         self._reflexes.append(reflex)
         return reflex

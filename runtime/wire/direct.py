@@ -60,14 +60,19 @@ class Reflex:
     If it takes long several times in a row, all further reactions are left to the thread that
     called `run`, each to all messages that wait by then, and the bus is not held up.
 
-    react: called with what came, the oldest first; never by two threads at once
+    read: takes a sample
+    react: called with what came, the oldest first, and with the time [s, monotonic]; never by two
+        threads at once
     silence: if nothing comes for so long [s] it is called as well, with nothing; None: never
     """
 
     def __init__(
-        self, react: Callable[[Sequence[Arrival]], None], silence: float | None = None
+        self,
+        read: Callable[[zenoh.Sample], Arrival],
+        react: Callable[[Sequence[Arrival], float], None],
+        silence: float | None = None,
     ) -> None:
-        self._react, self._silence = react, silence
+        self._read, self._react, self._silence = read, react, silence
         self._heard = False  # anything since it was looked whether there is silence
         self._busy = threading.Lock()
         self._awake = threading.Event()
@@ -81,13 +86,13 @@ class Reflex:
         """Take a sample from the bus's thread."""
         self._heard = True
         if self._leaves:
-            self._waiting.append(arrival_of(sample))
+            self._waiting.append(self._read(sample))
             self._awake.set()
             return
         with self._busy:
             began = time.monotonic()
             try:
-                self._react((arrival_of(sample),))
+                self._react((self._read(sample),), began)
             except Exception as error:  # it is the one who called `run` that has to hear of it
                 self._error = error
                 self._awake.set()
@@ -106,7 +111,7 @@ class Reflex:
             with self._busy:
                 waiting = [self._waiting.popleft() for _ in range(len(self._waiting))]
                 if waiting or silent:
-                    self._react(waiting)
+                    self._react(waiting, time.monotonic())
 
     def close(self) -> None:
         """Let `run` return."""

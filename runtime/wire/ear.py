@@ -4,7 +4,7 @@ from collections.abc import Callable
 from typing import Generic
 
 from runtime.wire.fields import MessageError
-from runtime.wire.hearing import Heard, Hearing
+from runtime.wire.hearing import Hearing, Voice
 from runtime.wire.messages import M, unpack
 from runtime.wire.refusals import Refusals
 
@@ -45,8 +45,8 @@ class Ear(Generic[M]):
             return None
         return message
 
-    def obeyed(self, now: float) -> Heard[M] | None:
-        """Return what counts `now` [s], however old; None if nothing was ever heard."""
+    def obeyed(self, now: float) -> Voice[M] | None:
+        """Return who counts `now` [s], however long ago; None if nobody was ever heard."""
         return self._hearing.obeyed(now)
 
     def fresh(self, now: float) -> M | None:

@@ -36,5 +36,5 @@ class GoalEar:
         known = self._known.obeyed(now)
         if led is None or known is None:
             left = led or known
-            return left and left.message
+            return None if left is None else left.message
         return max(led.message, known.message, key=lambda goal: goal.t)

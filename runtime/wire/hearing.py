@@ -4,7 +4,7 @@ Of several processes in the same role the one is obeyed, among those heard fresh
 first heard of last. So a copy anywhere is a hot standby, and a revived process takes over.
 """
 
-from typing import Generic, NamedTuple
+from typing import Generic
 
 from runtime.wire.messages import M
 from runtime.wire.refusals import Reason
@@ -15,20 +15,18 @@ LEAP = 10_000
 _NEVER = 1 << 63
 
 
-class Heard(NamedTuple, Generic[M]):
-    """A message, and when it arrived on the receiver's own clock [s]."""
+class Voice(Generic[M]):
+    """One incarnation, to be looked at at once: it changes with what is heard of it.
 
-    message: M
-    arrived: float
+    message: what it said last
+    arrived: when, on the receiver's own clock [s]
+    confirmed: whether it ever said two things in a row
+    """
 
+    __slots__ = ("arrived", "confirmed", "doubtful", "message")
 
-class _Voice(Generic[M]):
-    """One incarnation: what it said last, and whether it ever said two things in a row."""
-
-    __slots__ = ("confirmed", "doubtful", "heard")
-
-    def __init__(self, heard: Heard[M]) -> None:
-        self.heard = heard
+    def __init__(self, message: M, arrived: float) -> None:
+        self.message, self.arrived = message, arrived
         self.confirmed = False
         self.doubtful = _NEVER  # the number last refused
 
@@ -45,49 +43,48 @@ class Hearing(Generic[M]):
 
     def __init__(self, fresh: float) -> None:
         self.fresh = fresh
-        self._voices: dict[int, _Voice[M]] = {}  # in the order in which they were first heard
+        self._voices: dict[int, Voice[M]] = {}  # in the order in which they were first heard
 
     def hear(self, message: M, now: float) -> Reason | None:
         """Take a message that arrived `now` [s]; return why if it is not to be used."""
-        heard = Heard(message, now)
         voice = self._voices.get(message.by)
         if voice is None:
-            self._admit(heard)
+            self._admit(message, now)
             return None
-        if not 0 < message.n - voice.heard.message.n <= LEAP:
-            silent = now - voice.heard.arrived > self.fresh
+        if not 0 < message.n - voice.message.n <= LEAP:
+            silent = now - voice.arrived > self.fresh
             if not (silent and 0 < message.n - voice.doubtful <= LEAP):
                 voice.doubtful = message.n
                 return Reason.LATE
         voice.doubtful = _NEVER
-        voice.heard = heard
+        voice.message, voice.arrived = message, now
         voice.confirmed = True
         return None
 
-    def _admit(self, heard: Heard[M]) -> None:
+    def _admit(self, message: M, now: float) -> None:
         if len(self._voices) >= VOICES_KEPT:
             least = min(
                 self._voices, key=lambda by: (self._voices[by].confirmed, self._arrived(by))
             )
             del self._voices[least]
-        self._voices[heard.message.by] = _Voice(heard)
+        self._voices[message.by] = Voice(message, now)
 
     def _arrived(self, by: int) -> float:
-        return self._voices[by].heard.arrived
+        return self._voices[by].arrived
 
-    def obeyed(self, now: float) -> Heard[M] | None:
-        """Return what counts `now` [s]: the obeyed voice's last word, or None if all was silence.
+    def obeyed(self, now: float) -> Voice[M] | None:
+        """Return who counts `now` [s], or None if all was silence.
 
-        If nobody is fresh it is whatever was heard last: see how long ago it arrived.
+        If nobody is fresh it is who was heard last: see how long ago that arrived.
         """
         if not self._voices:
             return None
-        newcomer: Heard[M] | None = None
+        newcomer: Voice[M] | None = None
         for voice in reversed(self._voices.values()):
-            if now - voice.heard.arrived <= self.fresh:
+            if now - voice.arrived <= self.fresh:
                 if voice.confirmed:
-                    return voice.heard
-                newcomer = newcomer or voice.heard
+                    return voice
+                newcomer = newcomer or voice
         if newcomer:
             return newcomer
-        return self._voices[max(self._voices, key=self._arrived)].heard
+        return self._voices[max(self._voices, key=self._arrived)]

@@ -202,7 +202,7 @@ def test_no_question_waits_for_a_bus_that_is_held_up(street: Street) -> None:
     wait_for(lambda: asking.ask(keys.FAULT), "an answer")
     held, released = threading.Event(), threading.Event()
 
-    def hold(_: object) -> None:
+    def hold(*_: object) -> None:
         held.set()
         released.wait(20.0)  # in the one thread that does all of Zenoh's work, timers too
 

@@ -57,7 +57,7 @@ def begin(reflex: Reflex) -> threading.Thread:
 
 def test_a_short_reaction_is_made_where_the_message_is_received(pair: Pair) -> None:
     threads: list[int] = []
-    reflex = pair.there.reflex(KEY, lambda _: threads.append(threading.get_ident()))
+    reflex = pair.there.reflex(KEY, lambda *_: threads.append(threading.get_ident()))
     thread = begin(reflex)
     pair.sends_until(lambda: thread.ident not in threads[-1:] != [], "a reaction")
     pair.there.close()
@@ -70,7 +70,7 @@ def test_reactions_that_take_long_are_left_to_the_loop_and_each_takes_all_that_w
 ) -> None:
     came: list[tuple[int, int]] = []
 
-    def react(arrivals: Sequence[Arrival]) -> None:
+    def react(arrivals: Sequence[Arrival], _: float) -> None:
         came.append((threading.get_ident(), len(arrivals)))
         time.sleep(0.05)  # what it does, and not a wait for anything
 
@@ -82,7 +82,7 @@ def test_reactions_that_take_long_are_left_to_the_loop_and_each_takes_all_that_w
 
 
 def test_what_a_reaction_raises_reaches_the_loop(pair: Pair) -> None:
-    def react(_: Sequence[Arrival]) -> None:
+    def react(_: Sequence[Arrival], __: float) -> None:
         raise ValueError("of its own")
 
     reflex = pair.there.reflex(KEY, react)
@@ -103,7 +103,7 @@ def test_what_a_reaction_raises_reaches_the_loop(pair: Pair) -> None:
 def test_nothing_is_reacted_to_before_the_loop_runs(pair: Pair) -> None:
     ring = pair.there.ring(KEY)
     threads: list[int] = []
-    reflex = pair.there.reflex(KEY, lambda _: threads.append(threading.get_ident()))
+    reflex = pair.there.reflex(KEY, lambda *_: threads.append(threading.get_ident()))
     pair.sends_until(lambda: bool(list(ring.waiting(1))), "a message")
     assert threads == []
     thread = begin(reflex)
@@ -114,7 +114,7 @@ def test_nothing_is_reacted_to_before_the_loop_runs(pair: Pair) -> None:
 
 def test_silence_is_reacted_to_as_well_and_only_that(pair: Pair) -> None:
     came: list[int] = []
-    reflex = pair.there.reflex(KEY, lambda arrivals: came.append(len(arrivals)), silence=0.2)
+    reflex = pair.there.reflex(KEY, lambda arrivals, _: came.append(len(arrivals)), silence=0.2)
     thread = begin(reflex)
     wait_for(lambda: came == [0, 0], "two reactions to nothing")
     publisher = pair.here.publisher(KEY)
