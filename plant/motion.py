@@ -1,6 +1,7 @@
 """How a robot moves within its limits: one step of joints and platform, for one or thousands."""
 
 import math
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -80,15 +81,15 @@ def _step_of_one(robot: Robot, state: State, commands: Commands, period: float) 
     """The same for arrays (n,), (3,) and (2,)."""
     q, qd = [], []
     seen = zip(state.q.tolist(), state.qd.tolist(), commands.joints.tolist(), strict=True)
-    for joint, (angle, before, wanted) in zip(robot.joints, seen, strict=True):
-        change = joint.max_acceleration * period
-        speed = _nearest(wanted, before, joint.max_speed, change)
-        room = joint.upper - angle if speed > 0.0 else angle - joint.lower
-        if room < (joint.max_speed + change) ** 2 / (2.0 * joint.max_acceleration):
-            most = stopping_speed(np.array(room), joint.max_acceleration, period)
-            speed = _within(speed, float(most))
+    for bounds, (angle, before, wanted) in zip(_bounds(robot, period), seen, strict=True):
+        lower, upper, top, change, far, acceleration = bounds
+        speed = _nearest(wanted, before, top, change)
+        room = upper - angle if speed > 0.0 else angle - lower
+        if room < far:
+            most = float(stopping_speed(np.array(room), acceleration, period))
+            speed = most if speed > most else -most if speed < -most else speed
         angle += speed * period
-        q.append(min(max(angle, joint.lower), joint.upper))
+        q.append(lower if angle < lower else upper if angle > upper else angle)
         qd.append(speed)
     t = round(state.t + period, 12)
     if robot.drive is None:
@@ -105,16 +106,24 @@ def _step_of_one(robot: Robot, state: State, commands: Commands, period: float) 
     return State(t, np.array(q), np.array(qd), np.array(base), np.array((linear, angular)))
 
 
+@lru_cache(maxsize=8)
+def _bounds(robot: Robot, period: float) -> list[tuple[float, ...]]:
+    """Of each joint its ends, top speed, its change in a period, how far it looks, acceleration."""
+    bounds: list[tuple[float, ...]] = []
+    for joint in robot.joints:
+        change = joint.max_acceleration * period
+        far = (joint.max_speed + change) ** 2 / (2.0 * joint.max_acceleration)
+        bounds.append(
+            (joint.lower, joint.upper, joint.max_speed, change, far, joint.max_acceleration)
+        )
+    return bounds
+
+
 def _nearest(wanted: float, now: float, speed: float, change: float) -> float:
-    """The same as `_limited` of one number."""
-    return now + _within(_within(wanted, speed) - now, change)
-
-
-def _within(value: float, size: float) -> float:
-    """The same as `_cut` of one number; two comparisons cost half of `min` and `max`."""
-    if value > size:
-        return size
-    return -size if value < -size else value
+    """The same as `_limited` of one number; two comparisons cost half of `min` and `max`."""
+    wanted = speed if wanted > speed else -speed if wanted < -speed else wanted
+    more = wanted - now
+    return now + (change if more > change else -change if more < -change else more)
 
 
 def arc(base: Array, velocity: Array, period: float) -> Array:

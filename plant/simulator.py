@@ -135,7 +135,7 @@ def _by_column(values: Array) -> Array:
 def _final(state: State) -> State:
     """The same state; from now on nobody can write to its arrays."""
     for array in state[1:]:
-        array.flags.writeable = False
+        array.setflags(write=False)
     return state
 
 

@@ -1,9 +1,11 @@
 """What the plant is told: from what arrives on the bus to the commands in force."""
 
+import math
 from collections.abc import Callable
 from typing import NamedTuple
 
-from plant.hold import Hold
+import numpy as np
+
 from plant.motion import Commands
 from plant.robot import Robot
 from runtime.wire import keys
@@ -27,15 +29,16 @@ class Answered(NamedTuple):
 
 
 class _Motor(NamedTuple):
-    """What one agent commands: the joint of that index, or the platform (None).
+    """What one agent commands: a joint or the platform.
 
     limits: the largest speeds that it obeys: rad/s, or m/s and rad/s
+    still: speeds of nothing
     """
 
     role: str
     ear: Ear[JointCommand] | Ear[PlatformCommand]
-    joint: int | None
     limits: tuple[float, ...]
+    still: tuple[float, ...]
 
 
 class Orders:
@@ -59,19 +62,20 @@ class Orders:
     ) -> None:
         self._say = say
         self._obeyed: dict[str, int] = {}
-        self._hold = Hold(robot, hold)
+        self._hold = hold + 1e-9  # so that rounding does not drop one of exactly that age
+        self._n = robot.n
         self._refusals = refusals
         self._motors: dict[str, _Motor] = {}
-        for index, joint in enumerate(robot.joints):
-            key = keys.joint_command(index + 1)
+        for number, joint in enumerate(robot.joints, 1):
+            key = keys.joint_command(number)
             ear = Ear(key, JointCommand, fresh, refusals)
-            role, limit = keys.joint_role(index + 1), joint.max_speed * _ROUNDING
-            self._motors[key] = _Motor(role, ear, index, (limit,))
+            role, limit = keys.joint_role(number), joint.max_speed * _ROUNDING
+            self._motors[key] = _Motor(role, ear, (limit,), (0.0,))
         if robot.drive is not None:
             key = keys.PLATFORM_COMMAND
             limits = (robot.drive.max_linear * _ROUNDING, robot.drive.max_angular * _ROUNDING)
             ears = Ear(key, PlatformCommand, fresh, refusals)
-            self._motors[key] = _Motor(keys.PLATFORM_AGENT, ears, None, limits)
+            self._motors[key] = _Motor(keys.PLATFORM_AGENT, ears, limits, (0.0, 0.0))
 
     def take(self, arrival: Arrival, t: float) -> Answered | None:
         """Take what arrived at plant time `t` [s]; None if it was refused."""
@@ -91,28 +95,27 @@ class Orders:
     def in_force(self, t: float) -> tuple[Commands, list[float | None]]:
         """Return what the motors are told at plant time `t` [s], and the age of each command [s].
 
-        The ages are in the order of the joints, the platform's last; None where it is too old.
+        The ages are in the order of the joints, the platform's last; None where it is too old: then
+        the motor is told to stand still (and brakes within its limits) until the next.
         """
+        speeds: list[float] = []
         ages: list[float | None] = []
         for motor in self._motors.values():
-            heard = motor.ear.obeyed(t)
-            age = None if heard is None else t - heard.arrived
-            ages.append(None if age is None or age > self._hold.seconds else age)
-            if heard is None:
-                continue
-            by = heard.message.by
-            if by != self._obeyed.get(motor.role):
-                self._obeyed[motor.role] = by
-                self._say(motor.role, by)
-            if isinstance(heard.message, PlatformCommand):
-                linear, angular = heard.message.linear, heard.message.angular
-                self._hold.tell_base(linear, angular, heard.arrived)
-            elif motor.joint is not None:
-                self._hold.tell_joint(motor.joint, heard.message.velocity, heard.arrived)
-        return self._hold.commands(t), ages
+            voice = motor.ear.obeyed(t)
+            age = math.inf if voice is None else t - voice.arrived
+            if voice is not None and voice.message.by != self._obeyed.get(motor.role):
+                self._obeyed[motor.role] = voice.message.by
+                self._say(motor.role, voice.message.by)
+            if voice is None or age > self._hold:
+                speeds.extend(motor.still)
+                ages.append(None)
+            else:
+                speeds.extend(_speeds(voice.message))
+                ages.append(age)
+        joints, base = np.array(speeds[: self._n]), speeds[self._n :]
+        return Commands(joints, np.array(base)) if base else Commands(joints), ages
 
 
 def _speeds(command: Command) -> tuple[float, ...]:
-    if isinstance(command, JointCommand):
-        return (command.velocity,)
-    return (command.linear, command.angular)
+    """Return what is between the time and the stamp."""
+    return command[1:-2]

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from plant import urdf
+from plant.simulator import Simulator
 from runtime.processes.orders import Orders
 from runtime.wire import keys
 from runtime.wire.arrival import Arrival
@@ -26,6 +27,11 @@ class Plant:
         self._n += 1
         data = pack(JointCommand(0.5, velocity, by, self._n))
         return self.orders.take(Arrival(keys.joint_command(joint), data), at) is not None
+
+    def platform_hears(self, linear: float, angular: float, at: float) -> None:
+        self._n += 1
+        data = pack(PlatformCommand(0.5, linear, angular, 7, self._n))
+        assert self.orders.take(Arrival(keys.PLATFORM_COMMAND, data), at) is not None
 
     def joints(self, at: float) -> list[float]:
         commands, _ = self.orders.in_force(at)
@@ -61,6 +67,44 @@ def test_a_command_older_than_the_hold_time_brings_the_joint_to_rest(plant: Plan
     plant.hears(2, 0.3, at=1.0)
     assert plant.joints(1.0 + HOLD)[1] == 0.3
     assert plant.joints(1.0 + HOLD + 0.001)[1] == 0.0
+
+
+def test_each_motor_has_a_hold_time_of_its_own(plant: Plant) -> None:
+    plant.hears(1, 0.5, at=1.0)
+    plant.platform_hears(0.1, -0.2, at=1.0)
+    plant.hears(2, 0.6, at=1.1)
+    commands, _ = plant.orders.in_force(1.1 + HOLD)
+    np.testing.assert_array_equal(commands.joints, [0, 0.6, 0, 0, 0, 0])
+    assert not commands.base.any()
+
+
+def test_only_the_latest_command_counts_and_what_was_given_does_not_change(plant: Plant) -> None:
+    plant.hears(1, 0.5, at=1.0)
+    plant.platform_hears(0.1, 0.0, at=1.0)
+    before, _ = plant.orders.in_force(1.0)
+    plant.hears(1, -0.3, at=1.1)
+    plant.platform_hears(0.2, 0.0, at=1.1)
+    after, _ = plant.orders.in_force(1.1)
+    assert (before.joints[0], before.base[0]) == (0.5, 0.1)
+    assert (after.joints[0], after.base[0]) == (-0.3, 0.2)
+
+
+def test_a_motor_that_is_told_nothing_more_brakes_to_rest_within_its_limits(plant: Plant) -> None:
+    start = np.radians([0.0, 60.0, -115.0, 0.0, 0.0, 0.0])
+    simulator = Simulator(urdf.load("arph"), start, period=0.01)
+    speeds, last_told = [], 99
+    for k in range(200):
+        t = simulator.state.t
+        if k <= last_told:
+            plant.hears(1, 0.8, at=t)
+            plant.platform_hears(0.3, 0.0, at=t)
+        speeds.append(simulator.step(plant.orders.in_force(t)[0]).qd[0])
+    held, acceleration = round(HOLD / 0.01), 4.0
+    assert speeds[last_told + held] == pytest.approx(0.8)
+    assert speeds[last_told + held + 1] < 0.8
+    assert np.diff(speeds).min() >= -acceleration * 0.01 - 1e-12
+    assert speeds[-1] == 0.0
+    assert simulator.state.base_velocity[0] == 0.0
 
 
 def test_ages_are_told_while_commands_hold(plant: Plant) -> None:
