@@ -38,6 +38,9 @@ _ACROSS = _Patience(lease=600, open=500, pause=100)
 _TLS_OPEN = 1000
 """Certificates take a busy machine long to check, and to give up amid that may never be mended:
 Zenoh can then take a connection for there that is not, until one of the two processes ends."""
+_BATCH = 2048
+"""The most that goes at once [bytes]: twice what the plant tells of a moment. By default Zenoh has
+64 KiB, and makes so much anew, all zeros, for each packet while the one before is still held."""
 _RARELY = 2000
 """Pause [ms] at most before dialling anew where copies may be: 32 places of each host."""
 
@@ -76,7 +79,7 @@ def config(robot: str | None, place: Place, credentials: Credentials | None = No
                 },
                 "transport": {
                     "link": {
-                        "tx": {"lease": patience.lease, "keep_alive": 4},
+                        "tx": {"lease": patience.lease, "keep_alive": 4, "batch_size": _BATCH},
                         **encrypted,
                     },
                     "unicast": {"open_timeout": patience.open, "accept_timeout": 1000},  # [ms]
