@@ -6,16 +6,15 @@ against who else speaks in that role, no percept is put together, nothing is log
 and think about was recorded.
 """
 
-import random
 from collections.abc import Callable, Sequence
 from itertools import cycle
 from typing import NamedTuple
 
 from agents.agent import Agent, Array, Percepts
-from bench.echo.load import AGENTS, GOAL, part_of
+from bench.echo.load import AGENTS, GOAL, ROLES, part_of
 from bench.echo.plain_zenoh import be, nothing
 from bench.thinking import ArmRun, arm_run
-from runtime.processes.cadence import Cadence
+from runtime.processes.cadence import Cadence, apart
 from runtime.wire.keys import PLANT
 from runtime.wire.messages import (
     HandPose,
@@ -51,7 +50,9 @@ def thought_of(role: str, period: float) -> Thought:
     run = arm_run(_RECORDED, period)
     if role == PLANT:
         return Thought(_plant_of(run))
-    return _agent_of(run.agents[role], run.seen, period)
+    agent = run.agents[role]
+    cadence = Cadence(agent.rest, apart(ROLES.index(role)))
+    return _agent_of(agent, run.seen, cadence, period)
 
 
 def _plant_of(run: ArmRun) -> Callable[[], object]:
@@ -70,14 +71,14 @@ def _plant_of(run: ArmRun) -> Callable[[], object]:
     return think
 
 
-def _agent_of(agent: Agent, seen: Sequence[Percepts], period: float) -> Thought:
+def _agent_of(agent: Agent, seen: Sequence[Percepts], cadence: Cadence, period: float) -> Thought:
     """Read what calls for an answer, and decide as often as our agents do: once that is told."""
     states = [_states(percepts) for percepts in seen]
     ticks = cycle(
         [(percepts, pack(base), pack(joints))
          for percepts, (base, _, joints) in zip(seen, states, strict=True)]
     )  # fmt: skip
-    cadence, sees_base = Cadence(agent.rest, random.random()), "base" in agent.sees
+    sees_base = "base" in agent.sees
     percepts, base, _ = next(ticks)
     decided = agent.decide(percepts)
 

@@ -1,6 +1,5 @@
 """An agent's process: perceive, decide, tell; as often as the plant tells its state."""
 
-import random
 import time
 import traceback
 from collections.abc import Callable, Iterator, Sequence
@@ -10,7 +9,7 @@ import numpy as np
 
 from agents.agent import Agent, Percepts
 from runtime.processes.backlog import Backlog
-from runtime.processes.cadence import Cadence
+from runtime.processes.cadence import Cadence, apart
 from runtime.processes.process import Loop, Process
 from runtime.processes.senses import Senses
 from runtime.wire import keys
@@ -50,7 +49,7 @@ class AgentLoop(Loop):
         self._senses = Senses(deployment.description.robot, fresh, process.refusals)
         self._backlog = Backlog(deployment.period, deployment.speed)
         self._pause = _PAUSE * deployment.period / deployment.speed
-        self._cadence = Cadence(agent.rest, random.random())
+        self._cadence = Cadence(agent.rest, apart(deployment.slot(process.role)))
         self._tells_first = agent.rest > deployment.period
         self._wanted: tuple[float, ...] | None = None  # speeds
         self._done, self._paused = 0.0, False

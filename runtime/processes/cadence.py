@@ -2,6 +2,18 @@
 
 import math
 
+_GOLDEN = (math.sqrt(5) - 1) / 2
+
+
+def apart(number: int) -> float:
+    """Return the phase, 0 to 1, of whoever has that number: the phases of any few lie far apart.
+
+    Were they drawn, of seven agents some would think at the same of ten states in nearly every
+    run, and whatever is to be answered then would be late all along. Multiples of the golden ratio
+    spread evenly, however many there are (Knuth 1998, "The Art of Computer Programming", 6.4).
+    """
+    return _GOLDEN * number % 1.0
+
 
 class Cadence:
     """Tells when a new decision is of use, of an agent that is asked more often than that.

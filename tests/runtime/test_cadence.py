@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from agents.agent import Agent, Percepts
-from runtime.processes.cadence import Cadence
+from runtime.processes.cadence import Cadence, apart
 from runtime.wire import keys
 from runtime.wire.messages import JointCommand, unpack
 from tests.runtime.conftest import Crew, wait_for
@@ -36,6 +36,15 @@ def test_those_that_are_held_up_together_do_not_think_together_from_then_on() ->
             cadence.due(tick * 0.001)
     due = [[c.due(tick * 0.001) for c in several] for tick in range(503, 523)]
     assert max(sum(each) for each in due) == 1
+
+
+@pytest.mark.parametrize("count", [2, 7, 30])
+def test_any_that_are_numbered_in_a_row_think_at_moments_far_apart(count: int) -> None:
+    for first in range(40):
+        phases = np.sort([apart(number) for number in range(first, first + count)])
+        gaps = np.diff(phases, append=phases[0] + 1)
+        assert gaps.min() > 0.5 / count
+        assert gaps.max() < 2 / count
 
 
 def test_another_plant_is_thought_about_at_once() -> None:
