@@ -1,5 +1,6 @@
 """An agent's process: perceive, decide, tell; as often as the plant tells its state."""
 
+import threading
 import time
 import traceback
 from collections.abc import Callable, Iterator, Sequence
@@ -65,7 +66,8 @@ class AgentLoop(Loop):
             keys.PLATFORM_COMMAND if joint is None else keys.joint_command(joint + 1)
         )
         board = keys.JOINTS if "joints" in sees or "hand" not in sees else keys.HAND
-        self._board = bus.reflex(board, self._perceive, silence)
+        self._board = bus.reflex(board, self._perceive, silence, self._think)
+        self._perceiving = threading.Lock()
 
     @property
     def perception(self) -> str:
@@ -83,8 +85,9 @@ class AgentLoop(Loop):
         """
         self._paused = self._paused or now - self._done > self._pause
         due = False
-        for arrival in arrivals or self._lately():
-            due = self._senses.take(arrival, now) or due
+        with self._perceiving:
+            for arrival in arrivals or self._lately():
+                due = self._senses.take(arrival, now) or due
         if due:
             waited = len(arrivals) == 1 and not self._paused
             if not self._backlog.overtaken(self._senses.t, now, waited=waited):
@@ -97,19 +100,23 @@ class AgentLoop(Loop):
         """Tell what is wanted.
 
         Where states come more often than new decisions are of use, that is what was decided last,
-        and only then is anything decided: so no state waits for a thought.
+        and the other thread thinks meanwhile: so no state waits for a thought.
         """
         t = self._senses.t
-        due = self._cadence.due(t)
-        if self._wanted is None or (due and not self._tells_first):
-            t, due = self._decide(now, t), False
+        due = self._cadence.due(t) or self._wanted is None
+        if due and not self._tells_first:
+            t = self._decide(now, t)
         self._process.t = t
         if self._process.life:
             self._process.life.plant_heard(t, now)
-        if self._wanted is not None:
-            self._out.send(self._command(t, *self._wanted))
-        if due:
-            self._decide(now, t)
+        wanted = self._wanted
+        if wanted is not None:
+            self._out.send(self._command(t, *wanted))
+        if due and self._tells_first:
+            self._board.leave()
+
+    def _think(self) -> None:
+        self._decide(time.monotonic(), self._senses.t)
 
     def _decide(self, now: float, t: float) -> float:
         """Decide what is wanted, and return the moment [s] that this is an answer to."""
@@ -121,9 +128,10 @@ class AgentLoop(Loop):
         return percepts.t
 
     def _percepts(self, now: float) -> Percepts | None:
-        for arrival in self._lately():
-            self._senses.take(arrival, now)
-        return self._senses.percepts(now)
+        with self._perceiving:
+            for arrival in self._lately():
+                self._senses.take(arrival, now)
+            return self._senses.percepts(now)
 
     def _lately(self) -> Iterator[Arrival]:
         """Yield what came of the kinds that are of use to a decision only."""

@@ -180,9 +180,10 @@ class Bus:
         expression: str,
         react: Callable[[Sequence[Arrival], float], None],
         silence: float | None = None,
+        afterwards: Callable[[], None] = lambda: None,
     ) -> Reflex:
         """Return what reacts to each message on a key expression, and to silence, once it runs."""
-        reflex = Reflex(reader(expression), react, silence)
+        reflex = Reflex(reader(expression), react, silence, afterwards)
         self._session.declare_subscriber(expression, directly(reflex.put))
         self._reflexes.append(reflex)
         return reflex

@@ -64,6 +64,8 @@ class Reflex:
     react: called with what came, the oldest first, and with the time [s, monotonic]; never by two
         threads at once
     silence: if nothing comes for so long [s] it is called as well, with nothing; None: never
+    afterwards: called by the thread of `run` after a reaction that has asked for it by `leave`, and
+        beside the next ones: what a reaction sends goes only once it is over
     """
 
     def __init__(
@@ -71,8 +73,10 @@ class Reflex:
         read: Callable[[zenoh.Sample], Arrival],
         react: Callable[[Sequence[Arrival], float], None],
         silence: float | None = None,
+        afterwards: Callable[[], None] = lambda: None,
     ) -> None:
         self._read, self._react, self._silence = read, react, silence
+        self._afterwards, self._left = afterwards, False
         self._heard = False  # anything since it was looked whether there is silence
         self._busy = threading.Lock()
         self._awake = threading.Event()
@@ -112,6 +116,14 @@ class Reflex:
                 waiting = [self._waiting.popleft() for _ in range(len(self._waiting))]
                 if waiting or silent:
                     self._react(waiting, time.monotonic())
+            if self._left:
+                self._left = False
+                self._afterwards()
+
+    def leave(self) -> None:
+        """Let the thread of `run` do what comes afterwards, once for all that ask until then."""
+        self._left = True
+        self._awake.set()
 
     def close(self) -> None:
         """Let `run` return."""

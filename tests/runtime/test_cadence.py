@@ -1,5 +1,7 @@
 """When an agent that is asked often has to think anew, and what it says in between."""
 
+import time
+
 import numpy as np
 import pytest
 
@@ -54,18 +56,19 @@ def test_another_plant_is_thought_about_at_once() -> None:
 
 
 class Counts(Agent):
-    """An agent whose answer is how often it has thought."""
+    """An agent whose answer is how often it has thought, which takes it a while [s]."""
 
     sees = frozenset(("joints",))
     rest = REST
 
-    def __init__(self) -> None:
-        self.silent, self.times = True, list[float]()
+    def __init__(self, takes: float = 0.0) -> None:
+        self.silent, self.times, self._takes = True, list[float](), takes
 
     def decide(self, percepts: Percepts) -> float | None:  # type: ignore[override] # one joint's
         if self.silent:
             return None
         self.times.append(percepts.t)
+        time.sleep(self._takes)  # what it does, and not a wait for anything
         return 1e-6 * len(self.times)
 
 
@@ -93,10 +96,18 @@ def test_every_state_is_answered_and_no_more_decisions_made_than_are_of_use(crew
     spells = (moving[-1].t - moving[0].t) / REST
     assert len(set(agent.times)) <= spells + 3
     assert len(moving) > 1.5 * spells, "the states in between are answered as well"
-    thought = dict(zip(agent.times, range(1, len(agent.times) + 1), strict=True))
-    for command in moving:
-        before = max((t for t in agent.times if t < command.t), default=agent.times[0])
-        assert command.velocity == pytest.approx(1e-6 * thought[before]), "no state waits"
+    thoughts = [round(command.velocity / 1e-6) for command in moving]
+    assert thoughts == sorted(thoughts)
+    assert all(
+        agent.times[thought - 1] <= command.t
+        for thought, command in zip(thoughts, moving, strict=True)
+    )
+
+
+def test_no_state_waits_for_a_thought(crew: Crew) -> None:
+    moving = answers_of(Counts(takes=0.02), crew, "5 ms", 100)
+    states = (moving[-1].t - moving[0].t) / 0.005
+    assert len(moving) > 0.6 * states
 
 
 def test_states_that_come_more_rarely_are_answered_by_a_decision_on_each(crew: Crew) -> None:

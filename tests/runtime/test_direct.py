@@ -100,6 +100,37 @@ def test_what_a_reaction_raises_reaches_the_loop(pair: Pair) -> None:
     assert raised == ["of its own"]
 
 
+def test_what_comes_afterwards_is_the_loop_s_and_nothing_waits_for_it(pair: Pair) -> None:
+    back, heard = pair.there.publisher(keys.joint_command(2)), pair.here.ring(keys.joint_command(2))
+    threads: list[int] = []
+    released = threading.Event()
+
+    def react(_: Sequence[Arrival], __: float) -> None:
+        back.send(JointCommand(1.0, 0.5))
+        reflex.leave()
+
+    def afterwards() -> None:
+        threads.append(threading.get_ident())
+        released.wait(20.0)
+
+    reflex = pair.there.reflex(KEY, react, afterwards=afterwards)
+    thread = begin(reflex)
+    pair.sends_until(lambda: bool(threads), "what comes afterwards")
+    answers: list[Arrival] = []
+
+    def answered() -> bool:
+        answers.extend(heard.waiting(8))
+        return len(answers) > 20
+
+    pair.sends_until(answered, "more answers")
+    assert threads == [thread.ident], "it goes on beside them all"
+    released.set()
+    wait_for(lambda: len(threads) > 1, "another, as was asked for meanwhile")
+    pair.there.close()
+    thread.join(5.0)
+    assert not thread.is_alive()
+
+
 def test_nothing_is_reacted_to_before_the_loop_runs(pair: Pair) -> None:
     ring = pair.there.ring(KEY)
     threads: list[int] = []
