@@ -8,7 +8,7 @@ from math import isfinite
 
 import numpy as np
 
-from agents.agent import Agent, Percepts
+from agents.agent import REST, Agent, Percepts
 from runtime.processes.backlog import Backlog
 from runtime.processes.cadence import Cadence, apart
 from runtime.processes.process import Loop, Process
@@ -53,6 +53,7 @@ class AgentLoop(Loop):
         self._cadence = Cadence(agent.rest, apart(deployment.slot(process.role)))
         self._tells_first = agent.rest > deployment.period
         self._wanted: tuple[float, ...] | None = None  # speeds
+        self._decided_at, self._good = 0.0, agent.rest / REST  # when, and for how long [s]
         self._done, self._paused = 0.0, False
         sees = agent.sees
         self._others = [bus.ring(key) for key in keys.GOALS if "goal" in sees]
@@ -100,7 +101,8 @@ class AgentLoop(Loop):
         """Tell what is wanted.
 
         Where states come more often than new decisions are of use, that is what was decided last,
-        and the other thread thinks meanwhile: so no state waits for a thought.
+        and the other thread thinks meanwhile: so no state waits for a thought. What was decided is
+        good for the horizon it was decided for: an agent that is stuck in a thought falls silent.
         """
         t = self._senses.t
         due = self._cadence.due(t) or self._wanted is None
@@ -110,7 +112,7 @@ class AgentLoop(Loop):
         if self._process.life:
             self._process.life.plant_heard(t, now)
         wanted = self._wanted
-        if wanted is not None:
+        if wanted is not None and t - self._decided_at <= self._good:
             self._out.send(self._command(t, *wanted))
         if due and self._tells_first:
             self._board.leave()
@@ -124,7 +126,7 @@ class AgentLoop(Loop):
         if percepts is None:
             self._wanted = None
             return t
-        self._wanted = self._decided(percepts)
+        self._wanted, self._decided_at = self._decided(percepts), percepts.t
         return percepts.t
 
     def _percepts(self, now: float) -> Percepts | None:

@@ -1,5 +1,6 @@
 """When an agent that is asked often has to think anew, and what it says in between."""
 
+import threading
 import time
 
 import numpy as np
@@ -108,6 +109,37 @@ def test_no_state_waits_for_a_thought(crew: Crew) -> None:
     moving = answers_of(Counts(takes=0.02), crew, "5 ms", 100)
     states = (moving[-1].t - moving[0].t) / 0.005
     assert len(moving) > 0.6 * states
+
+
+class Sticks(Counts):
+    """An agent that is stuck in its third thought until it is released."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.silent, self.released = False, threading.Event()
+
+    def decide(self, percepts: Percepts) -> float | None:  # type: ignore[override] # one joint's
+        if len(self.times) == 2:
+            self.released.wait(60.0)
+        return super().decide(percepts)
+
+
+def test_who_is_stuck_in_a_thought_falls_silent_and_goes_on_once_it_is_over(crew: Crew) -> None:
+    agent = Sticks()
+    ring = crew.visit().ring(keys.joint_command(1), depth=4000)
+
+    def silent() -> bool:
+        list(ring.waiting(4000))
+        time.sleep(0.5)  # a time in which a hundred states come
+        return not list(ring.waiting(1))
+
+    def looks() -> None:
+        wait_for(lambda: len(agent.times) == 2, "two thoughts")
+        wait_for(silent, "silence, though states come")
+        agent.released.set()
+        wait_for(lambda: list(ring.waiting(1)), "an answer")
+
+    live_as_joint_1(crew, agent, "5 ms", looks)
 
 
 def test_states_that_come_more_rarely_are_answered_by_a_decision_on_each(crew: Crew) -> None:
