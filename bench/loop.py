@@ -296,9 +296,9 @@ NOTES = (
     "decision, as often as ours, on percepts that were recorded, and a step of the simulation in "
     "the plant, and each reads and writes the messages of the wire contract that this takes at the "
     "least. So it is what is to be had for as many processes with these laws and messages. Ours "
-    "hold each message against who else speaks in that role, put percepts together and log, too; "
-    "but decide in the thread that receives, which an echo does not. What it takes more of a "
-    "processor per tick than the plain echo is what it reads, thinks and writes among all others.",
+    "hold each message against who else speaks in that role, put percepts together and log, too. "
+    "What it takes more of a processor per tick than the plain echo is what it reads, thinks and "
+    "writes among all others.",
     "All processes of all sides ask to be scheduled in real time, as ours do in a launch. Where "
     "that is not granted, programs on all cores hold a robot up.",
     "A tick counts as answered in time when the commands of all seven have arrived within its "
