@@ -3,12 +3,14 @@
 import threading
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 
 from agents.agent import Agent
 from runtime.config.deployment import Member, load
 from runtime.config.overrides import Override
 from runtime.processes.agent_process import AgentLoop
 from runtime.processes.process import Process
+from runtime.wire.bus import BusError
 from tests.runtime.conftest import Crew
 
 
@@ -22,7 +24,13 @@ def live_as_joint_1(crew: Crew, agent: Agent, period: str, meanwhile: Callable[[
 
     def live() -> None:
         with Process(deployment, member, crew.file, crew.run) as process:
-            thread = threading.Thread(target=AgentLoop(process, agent).run)
+            loop = AgentLoop(process, agent)
+
+            def run() -> None:
+                with suppress(BusError):  # it may be just about to tell something
+                    loop.run()
+
+            thread = threading.Thread(target=run)
             thread.start()
             meanwhile()
             process.bus.close()
