@@ -115,7 +115,7 @@ class Agent(ABC):
 
     rest: float = 0.0
     """How soon after a decision the next one is of use [s]: to what it sees until then, its answer
-    is the same, and it need not be asked."""
+    is the same, and it need not be asked. What is `1 / REST` times as old is told no more."""
 
     @abstractmethod
     def decide(self, percepts: Percepts) -> Array | None:

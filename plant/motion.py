@@ -86,10 +86,9 @@ def _step_of_one(robot: Robot, state: State, commands: Commands, period: float) 
         speed = _nearest(wanted, before, top, change)
         room = upper - angle if speed > 0.0 else angle - lower
         if room < far:
-            most = float(stopping_speed(np.array(room), acceleration, period))
-            speed = most if speed > most else -most if speed < -most else speed
+            speed = _within(speed, float(stopping_speed(np.array(room), acceleration, period)))
         angle += speed * period
-        q.append(lower if angle < lower else upper if angle > upper else angle)
+        q.append(min(max(angle, lower), upper))
         qd.append(speed)
     t = round(state.t + period, 12)
     if robot.drive is None:
@@ -120,10 +119,15 @@ def _bounds(robot: Robot, period: float) -> list[tuple[float, ...]]:
 
 
 def _nearest(wanted: float, now: float, speed: float, change: float) -> float:
-    """The same as `_limited` of one number; two comparisons cost half of `min` and `max`."""
-    wanted = speed if wanted > speed else -speed if wanted < -speed else wanted
-    more = wanted - now
-    return now + (change if more > change else -change if more < -change else more)
+    """The same as `_limited` of one number."""
+    return now + _within(_within(wanted, speed) - now, change)
+
+
+def _within(value: float, size: float) -> float:
+    """The same as `_cut` of one number; two comparisons cost half of `min` and `max`."""
+    if value > size:
+        return size
+    return -size if value < -size else value
 
 
 def arc(base: Array, velocity: Array, period: float) -> Array:

@@ -126,11 +126,20 @@ class Sticks(Counts):
 
 def test_who_is_stuck_in_a_thought_falls_silent_and_goes_on_once_it_is_over(crew: Crew) -> None:
     agent = Sticks()
-    ring = crew.visit().ring(keys.joint_command(1), depth=4000)
+    visitor = crew.visit()
+    ring, states = visitor.ring(keys.joint_command(1), 4000), visitor.ring(keys.JOINTS, 4000)
 
     def silent() -> bool:
-        list(ring.waiting(4000))
-        time.sleep(0.5)  # a time in which a hundred states come
+        for earlier in (ring, states):
+            list(earlier.waiting(4000))
+        came = 0
+
+        def many_came() -> bool:
+            nonlocal came
+            came += len(list(states.waiting(4000)))
+            return came > 100
+
+        wait_for(many_came, "a hundred states")
         return not list(ring.waiting(1))
 
     def looks() -> None:
