@@ -32,14 +32,6 @@ def parts(vector: Array) -> Parts:
     return vector[..., 0], vector[..., 1], vector[..., 2]
 
 
-def row(vectors: Array, index: int) -> Parts:
-    """Return the three parts (...) of one of vectors (..., n, 3)."""
-    if vectors.ndim == 2:
-        x, y, z = vectors[index].tolist()
-        return x, y, z
-    return vectors[..., index, 0], vectors[..., index, 1], vectors[..., index, 2]
-
-
 def element(values: Array, index: int) -> Array:
     """Return one (...) of values (..., n): a float of a lone row."""
     if values.ndim == 1:

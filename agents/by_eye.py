@@ -10,25 +10,26 @@ from agents.arithmetic import within
 from agents.laws import Law, Own
 from agents.sight import View
 from agents.watching import Content, OwnColumn, OwnMotion, SteadyEye
+from plant.kinematics import ArmPose
 
 
 class Told(NamedTuple):
     """What a model told at one moment.
 
-    t: [s]; hand: (..., 3) [m]; speed: (...) of the joint, as commanded [rad/s]
-    axis, lever: (..., 3) of the joint, and from there to the hand [m]
+    t: [s]; arm: the whole; joint: index of the agent's own (from 0)
+    speed: (...) of that joint, as commanded [rad/s]
     """
 
     t: float
-    hand: Array
+    arm: ArmPose
+    joint: int
     speed: Array
-    axis: Array
-    lever: Array
 
     @property
     def column(self) -> Array:
         """What the hand does when the joint turns: (..., 3) [m/rad]; seldom asked for."""
-        column: Array = np.cross(self.axis, self.lever)
+        lever = self.arm.tip - self.arm.points[..., self.joint, :]
+        column: Array = np.cross(self.arm.axes[..., self.joint, :], lever)
         return column
 
 
@@ -81,9 +82,7 @@ class LineByEye(Law):
         """Hear what a model knows while it serves."""
         if view.arm is None or (self._told and t - self._told[-1].t < 0.9 * self._window):
             return
-        lever = view.arm.tip - view.arm.points[..., joint, :]
-        limited = within(speed, self._top_speed)
-        told = Told(t, view.hand, limited, view.arm.axes[..., joint, :], lever)
+        told = Told(t, view.arm, joint, within(speed, self._top_speed))
         self._told = (*self._told[-1:], told)
 
     def _take_over(self, t: float) -> None:
@@ -92,9 +91,9 @@ class LineByEye(Law):
         self._told = ()
         self._begin(fresh[-1].column if fresh else None)
         for told in fresh:
-            self._eye.see(told.t, told.hand)
+            self._eye.see(told.t, told.arm.tip)
             self._motion.tell(told.t, np.stack([told.speed, np.zeros_like(told.speed)]))
-            self._t, self._hand, self._steady = told.t, told.hand, told.speed
+            self._t, self._hand, self._steady = told.t, told.arm.tip, told.speed
             self._will = told.speed
 
     def velocity(self, t: float, view: View, own: Own | None, goal: Goal) -> Array:

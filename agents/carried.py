@@ -9,9 +9,7 @@ from agents.arithmetic import (
     greater,
     lesser,
     mixed,
-    parts,
     ramp,
-    row,
     sqrt,
     within,
 )
@@ -43,10 +41,10 @@ class CarriedLineByModel(LineByModel):
         self, ahead: Parts, place: Parts, arm: ArmPose, speed: Array, going: Parts
     ) -> tuple[Array, Array | float]:
         """Return the turn (...) [rad], and how much (...), 0 to 1, of the motion is not to fade."""
-        point = row(arm.points, self._joint)
+        point = arm.point_parts(self._joint)
         rx, ry, rz = between(point, ahead)
         sx, sy, sz = between(point, place)
-        ax, ay, az = row(arm.axes, self._joint)
+        ax, ay, az = arm.axis_parts(self._joint)
         # the way of the hand [m] for each radian; with it, the exact best turn: see `best_turn`
         x, y, z = ay * rz - az * ry, az * rx - ax * rz, ax * ry - ay * rx
         along = (ax * rx + ay * ry + az * rz) * (ax * sx + ay * sy + az * sz)
@@ -56,7 +54,7 @@ class CarriedLineByModel(LineByModel):
         closing = (x * off_x + y * off_y) / (slides + lifts)
         closing = closing + z * off_z / (self.SLIDES * slides + lifts)
         far = ramp(sqrt(off_x * off_x + off_y * off_y + off_z * off_z), *self.CLOSE)
-        now_x, now_y, _ = between(point, parts(arm.tip))
+        now_x, now_y, _ = between(point, arm.tip_parts)
         lifted = speed * (ax * now_y - ay * now_x)
         serves = going[2] * lifted / greater(lifted * lifted, self.TINY)
         return mixed(closing, turn, far), lesser(greater(serves, 0.0), 1.0)

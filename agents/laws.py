@@ -13,8 +13,6 @@ from agents.arithmetic import (
     Parts,
     between,
     moved,
-    parts,
-    row,
     sqrt,
     squared_length,
     where,
@@ -82,7 +80,7 @@ class LineByModel(Law):
         """Return the velocity (...) [rad/s]."""
         assert view.arm is not None
         assert own is not None  # the view's arm was made of the encoders
-        hand = parts(view.arm.tip)
+        hand = view.arm.tip_parts
         drift = self._seen.after(t, hand)
         ahead = hand if drift is None else moved(hand, drift, self._horizon)
         elapsed = self._elapsed.at(t)
@@ -115,7 +113,7 @@ class LineByModel(Law):
         ahead, place: [m] where the hand would be, and where to bring it
         speed: (...) [rad/s] of the joint; going: [m/s] of the goal
         """
-        point, axis = row(arm.points, self._joint), row(arm.axes, self._joint)
+        point, axis = arm.point_parts(self._joint), arm.axis_parts(self._joint)
         return best_turn(ahead, place, point, axis), 0.0
 
     def paced(self, velocity: Array, hand: Parts, place: Parts, going: Parts) -> Array:

@@ -124,7 +124,7 @@ class PlatformAgent(Agent):
             self.perception = "none"
             return None
         self.perception = "blackboard" if view.certain else "localiser"
-        scene = self._scene(percepts.t, view.hand, percepts.base, percepts.goal)
+        scene = self._scene(percepts.t, view.hand_parts, percepts.base, percepts.goal)
         elapsed = self._elapsed.at(percepts.t)
         speeds = self._speeds(elapsed, scene)
         if view.arm is not None and percepts.joints is not None:
@@ -170,19 +170,19 @@ class PlatformAgent(Agent):
         bounded = side * lesser(greater(side * aside * angular, back), on) / aside
         return mixed(bounded, angular, scene.far)
 
-    def _scene(self, t: float, hand: Array, base: Array, goal: Goal) -> Scene:
+    def _scene(self, t: float, hand: Parts, base: Array, goal: Goal) -> Scene:
         x, y, told = parts(base)
         if self._heading is None or not alike(self._heading, told):
             self._heading = told
         self._heading = heading = self._heading + wrapped(told - self._heading)
         linear_x, linear_y, angular = _velocity(self._motion, t, (x, y, heading))
-        hand_x, hand_y, hand_z = seen = parts(hand)
+        hand_x, hand_y, hand_z = hand
         place, going = goal_parts(goal, t)
-        missing = between(seen, place)
+        missing = between(hand, place)
         ahead = cos(heading), sin(heading)
         return Scene(
             hand=(hand_x - x, hand_y - y, hand_z),
-            drift=_velocity(self._hand_motion, t, seen),
+            drift=_velocity(self._hand_motion, t, hand),
             missing=missing,
             going=going,
             heading=heading,

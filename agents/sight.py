@@ -13,21 +13,38 @@ Perception = Literal["auto", "blackboard", "localiser"]
 
 
 class View(NamedTuple):
-    """What an agent sees of the hand.
+    """What an agent sees of the hand, by a model, by an eye, or by both.
 
-    hand: (..., 3) [m] in the world
-    arm: the whole arm by the model, or None where only the hand is seen
+    arm: the whole arm by the model
+    eye: (..., 3) [m] in the world, where an eye sees the hand
     modelled: (...) where the arm by the model is to be believed, or one answer for all
     """
 
-    hand: Array
     arm: ArmPose | None
+    eye: Array | None
     modelled: npt.NDArray[np.bool_] | bool
 
     @property
     def certain(self) -> bool:
         """Whether the model is to be believed everywhere."""
         return self.modelled if isinstance(self.modelled, bool) else bool(self.modelled.all())
+
+    @property
+    def hand(self) -> Array:
+        """(..., 3) [m] in the world, as is to be believed."""
+        if self.arm is None or self.modelled is False:
+            assert self.eye is not None
+            return self.eye
+        if self.eye is None or self.modelled is True:
+            return self.arm.tip
+        return np.where(self.modelled[..., None], self.arm.tip, self.eye)
+
+    @property
+    def hand_parts(self) -> Parts:
+        """The same, part by part."""
+        if self.arm is not None and self.modelled is True:
+            return self.arm.tip_parts
+        return parts(self.hand)
 
 
 class Sight:
@@ -60,13 +77,8 @@ class Sight:
         arm = None if self._perception == "localiser" else self._by_model(percepts)
         hand = None if self._perception == "blackboard" else percepts.hand
         if arm is None:
-            return None if hand is None else View(hand, None, False)
-        if hand is None:
-            return View(arm.tip, arm, True)
-        modelled = self._agree(percepts.t, arm.tip, hand)
-        if isinstance(modelled, bool):
-            return View(arm.tip if modelled else hand, arm, modelled)
-        return View(np.where(modelled[..., None], arm.tip, hand), arm, modelled)
+            return None if hand is None else View(None, hand, False)
+        return View(arm, hand, hand is None or self._agree(percepts.t, arm.tip_parts, parts(hand)))
 
     def _by_model(self, percepts: Percepts) -> ArmPose | None:
         joints, base = percepts.joints, percepts.base
@@ -74,11 +86,11 @@ class Sight:
             return None
         return self._kinematics.forward(joints.position, base if self._mobile else None)
 
-    def _agree(self, t: float, by_model: Array, by_eye: Array) -> npt.NDArray[np.bool_] | bool:
+    def _agree(self, t: float, by_model: Parts, by_eye: Parts) -> npt.NDArray[np.bool_] | bool:
         elapsed = 0.0 if self._t is None else min(max(t - self._t, 0.0), self.LASTING)
         self._t = t
         share = elapsed / self.LASTING
-        (eye_x, eye_y, eye_z), (x, y, z) = parts(by_eye), parts(by_model)
+        (eye_x, eye_y, eye_z), (x, y, z) = by_eye, by_model
         before_x, before_y, before_z = self._difference
         more_x, more_y, more_z = eye_x - x - before_x, eye_y - y - before_y, eye_z - z - before_z
         x, y, z = before_x + share * more_x, before_y + share * more_y, before_z + share * more_z

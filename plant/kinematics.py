@@ -1,32 +1,78 @@
 """Where the arm is when its joints stand so: forward kinematics for one arm or for thousands."""
 
 import math
+from collections.abc import Sequence
 from functools import cache, cached_property
-from typing import NamedTuple
 
 import numpy as np
 
 from plant.robot import Array, Robot
 from plant.straight_line import Forward, forward_function
 
+Parts = tuple[Array, Array, Array]
+"""x, y and z (...) of vectors (..., 3): floats of a lone one."""
 
-class ArmPose(NamedTuple):
-    """An arm in the world.
+
+class ArmPose:
+    """An arm in the world, or many.
 
     The tip moves with `cross(axes[i], tip - points[i])` per rad/s of joint i: the columns of the
-    Jacobian matrix.
-
-    Attributes:
-        tip: (..., 3), the grip point [m].
-        rotation: (..., 3, 3), the hand's x, y and z directions as columns.
-        points: (..., n, 3), a point on each joint's axis: the origin of its frame [m].
-        axes: (..., n, 3), each joint's unit axis.
+    Jacobian matrix. Who computes part by part (x, y, z) has the parts as they were worked out; the
+    arrays are made of them when they are asked for.
     """
 
-    tip: Array
-    rotation: Array
-    points: Array
-    axes: Array
+    def __init__(self, numbers: Sequence[Array], batch: tuple[int, ...]) -> None:
+        """Be the arm, or the arms of that leading shape, of what `forward_function` returns."""
+        self._numbers, self._batch = numbers, batch
+        self._axes = (len(numbers) + 12) // 2  # where they begin
+
+    @property
+    def tip_parts(self) -> Parts:
+        """The grip point [m]."""
+        x, y, z = self._numbers[:3]
+        return x, y, z
+
+    def point_parts(self, index: int) -> Parts:
+        """A point on the axis of joint `index` (from 0): the origin of its frame [m]."""
+        first = 12 + 3 * index
+        x, y, z = self._numbers[first : first + 3]
+        return x, y, z
+
+    def axis_parts(self, index: int) -> Parts:
+        """The unit axis of joint `index` (from 0)."""
+        first = self._axes + 3 * index
+        x, y, z = self._numbers[first : first + 3]
+        return x, y, z
+
+    @cached_property
+    def tip(self) -> Array:
+        """(..., 3), the grip point [m]."""
+        return self._vectors(0, 3)[..., 0, :]
+
+    @cached_property
+    def rotation(self) -> Array:
+        """(..., 3, 3), the hand's x, y and z directions as columns."""
+        return self._vectors(3, 12)
+
+    @cached_property
+    def points(self) -> Array:
+        """(..., n, 3), a point on each joint's axis: the origin of its frame [m]."""
+        return self._vectors(12, self._axes)
+
+    @cached_property
+    def axes(self) -> Array:
+        """(..., n, 3), each joint's unit axis."""
+        return self._vectors(self._axes, len(self._numbers))
+
+    def _vectors(self, begin: int, end: int) -> Array:
+        """(..., (end - begin) / 3, 3), in which each number of all arms lies side by side."""
+        numbers = self._numbers[begin:end]
+        if not self._batch:
+            return np.array(numbers).reshape(-1, 3)
+        table = np.empty((end - begin, *self._batch))
+        for line, number in zip(table, numbers, strict=True):
+            line[...] = number
+        return np.moveaxis(table.reshape((end - begin) // 3, 3, *self._batch), (0, 1), (-2, -1))
 
 
 @cache
@@ -67,7 +113,7 @@ class Kinematics:
         """
         base = _AT_ORIGIN if base is None else base
         if q.ndim == base.ndim == 1:
-            return self._forward_of_one(q, base)
+            return ArmPose(self._of_one(*base.tolist(), *q.tolist()), ())
         if self._last is not None and self._last[0] is q and self._last[1] is base:
             return self._last[2]
         pose = self._forward_of_many(q, base)
@@ -77,21 +123,9 @@ class Kinematics:
 
     def _forward_of_many(self, q: Array, base: Array) -> ArmPose:
         """The same for any batch, with each number of all arms in one array."""
-        n = 4 + self.robot.n
         batch = np.broadcast_shapes(q.shape[:-1], base.shape[:-1])
         place = base.tolist() if base.ndim == 1 else np.moveaxis(base, -1, 0)
-        numbers = self._of_many(*place, *np.moveaxis(q, -1, 0))
-        table = np.empty((len(numbers), *batch))
-        for line, number in zip(table, numbers, strict=True):
-            line[...] = number
-        rows = np.moveaxis(table.reshape(len(numbers) // 3, 3, *batch), (0, 1), (-2, -1))
-        return ArmPose(rows[..., 0, :], rows[..., 1:4, :], rows[..., 4:n, :], rows[..., n:, :])
-
-    def _forward_of_one(self, q: Array, base: Array) -> ArmPose:
-        """The arm at `q` (n,) of a base at (3,)."""
-        rows = np.array(self._of_one(*base.tolist(), *q.tolist())).reshape(-1, 3)
-        n = 4 + self.robot.n
-        return ArmPose(rows[0], rows[1:4], rows[4:n], rows[n:])
+        return ArmPose(self._of_many(*place, *np.moveaxis(q, -1, 0)), batch)
 
     @cached_property
     def _of_many(self) -> Forward:

@@ -34,7 +34,7 @@ def seen(q):
         off=0.0,
         speed=0.0,
     )
-    return View(arm.tip, arm, True), scene
+    return View(arm, None, True), scene
 
 
 def watched(q, speeds, seconds=4.0):
@@ -118,7 +118,7 @@ def test_a_batch_of_arms_is_watched_at_once():
         )
     )
     speeds = np.array([[0, 0.02, 0, 0, 0, 0], [0, 0, 0.02, 0, 0, 0]])
-    lift = Lifting().watch(PERIOD, View(arm.tip, arm, True), Joints(np.array(many), speeds), scene)
+    lift = Lifting().watch(PERIOD, View(arm, None, True), Joints(np.array(many), speeds), scene)
     for row, q in enumerate(many):
         alone = Lifting().watch(PERIOD, views[row], Joints(q, speeds[row]), scenes[row])
         assert lift.alone[row] == pytest.approx(alone.alone)

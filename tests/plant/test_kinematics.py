@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from plant.kinematics import Kinematics, quaternion
+from plant.kinematics import ArmPose, Kinematics, quaternion
 from plant.robot import Array, Robot
 from plant.urdf import ROBOTS, load
 
@@ -80,6 +80,19 @@ def test_a_base_moves_everything_with_it(name: str, data: st.DataObject) -> None
     np.testing.assert_allclose(moved.axes, still.axes @ turn.T, atol=1e-12)
 
 
+def made(pose: ArmPose) -> tuple[Array, ...]:
+    return pose.tip, pose.points, pose.axes, pose.rotation
+
+
+def in_parts(pose: ArmPose) -> tuple[list[Array], ...]:
+    joints = range(pose.points.shape[-2])
+    return (
+        list(pose.tip_parts),
+        [part for i in joints for part in pose.point_parts(i)],
+        [part for i in joints for part in pose.axis_parts(i)],
+    )
+
+
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize(
     ("many_q", "many_bases"),
@@ -94,15 +107,18 @@ def test_a_batch_is_the_same_as_one_by_one(
     pose = KINEMATICS[name].forward(q, base)
     frames = KINEMATICS[name].frames(q, base)
     batch = np.broadcast_shapes(many_q, many_bases)
-    assert [part.shape[: len(batch)] for part in pose] == [batch] * 4
+    assert [array.shape[: len(batch)] for array in made(pose)] == [batch] * 4
+    for array, numbers in zip(made(pose)[:3], in_parts(pose), strict=True):
+        for index, number in zip(np.ndindex(array.shape[len(batch) :]), numbers, strict=True):
+            np.testing.assert_array_equal(array[(..., *index)], np.broadcast_to(number, batch))
     every_q, every_base = (
         np.broadcast_to(q, (*batch, q.shape[-1])),
         np.broadcast_to(base, (*batch, 3)),
     )
     for index in np.ndindex(batch):
         one = KINEMATICS[name].forward(every_q[index], every_base[index])
-        for part, alone in zip(pose, one, strict=True):
-            np.testing.assert_allclose(part[index], alone, atol=1e-12)
+        for array, alone in zip(made(pose), made(one), strict=True):
+            np.testing.assert_allclose(array[index], alone, atol=1e-12)
         alone = KINEMATICS[name].frames(every_q[index], every_base[index])
         np.testing.assert_allclose(frames[index], alone, atol=1e-12)
 
