@@ -17,7 +17,7 @@ from collections.abc import Sequence
 from functools import partial
 from importlib import import_module
 
-from runtime.launching.nursery import copied, import_all
+from runtime.launching.nursery import copied, import_needed
 from runtime.processes.scheduling import go_first
 
 BORN = "born"
@@ -27,7 +27,7 @@ BORN = "born"
 def main() -> None:
     """Start what standard input says, and end it when that is closed."""
     commands: list[list[str]] = json.loads(sys.stdin.readline())
-    import_all()
+    import_needed()
     for name, *_ in commands:
         import_module(name)
     gc.freeze()  # so that collecting garbage does not make the copies' memory their own

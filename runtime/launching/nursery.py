@@ -23,16 +23,15 @@ from setproctitle import setproctitle
 
 from runtime import cli
 from runtime.launching.starting import LOST, Child, Task, start
+from runtime.wire import keys
 
-_NEEDED = (
-    "runtime.verbs.agent",
-    "runtime.processes.agent_process",
-    "agents.joint",
-    "agents.platform",
-    "runtime.processes.plant_process",
-    "runtime.processes.goal_process",
-)
-"""What some process of a robot imports."""
+_AGENTS = "an agent"
+_NEEDED = {
+    _AGENTS: ("runtime.processes.agent_process", "agents.joint", "agents.platform"),
+    keys.PLANT: ("runtime.processes.plant_process",),
+    keys.GOAL_SOURCE: ("runtime.processes.goal_process",),
+}
+"""What a role's process imports besides the verb."""
 _LONGEST = 1 << 16  # [bytes] of a question
 _PATIENCE = 30.0  # [s] for the nursery to answer, which may have to import all first
 
@@ -43,14 +42,16 @@ class Nursery:
     It is a process by itself, begun as a copy of this one. Only a process of one thread can be
     copied, so make it before a bus is joined: later, or where it has been killed, each process
     runs Python anew. It decides nothing, and ends with whoever made it.
+
+    role: of all that it will start, so that nobody waits for what others need; None: any
     """
 
-    def __init__(self) -> None:
+    def __init__(self, role: str | None = None) -> None:
         self._line: socket.socket | None = None
         if not _can_be_copied():
             return
         self._line, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-        self._pid = copied(partial(_tend, self._line, theirs))
+        self._pid = copied(partial(_tend, role, self._line, theirs))
         theirs.close()
         self._line.settimeout(_PATIENCE)
 
@@ -112,10 +113,12 @@ class _Copy:
         return self._code
 
 
-def import_all() -> None:
-    """Import what any process of a robot needs, so that its copies need not."""
-    for module in _NEEDED:
-        import_module(module)
+def import_needed(role: str | None = None) -> None:
+    """Import what the process of a role needs, or of any, so that the copies need not."""
+    import_module("runtime.verbs.agent")
+    for modules in _NEEDED.values() if role is None else [_NEEDED.get(role, _NEEDED[_AGENTS])]:
+        for module in modules:
+            import_module(module)
 
 
 def _is_readable(handle: int) -> bool:
@@ -155,15 +158,15 @@ def _can_be_copied() -> bool:
         return False
 
 
-def _tend(ours: socket.socket, line: socket.socket) -> int:
+def _tend(role: str | None, ours: socket.socket, line: socket.socket) -> int:
     """Be the nursery: do what is asked for until nobody can ask any more.
 
-    ours: the other end, which is for who made the nursery
+    role: see `Nursery`; ours: the other end, which is for who made the nursery
     """
     ours.close()
     _leave_the_parent(Path(os.devnull))
     setproctitle("msma nursery")
-    import_all()
+    import_needed(role)
     gc.freeze()  # so that collecting garbage does not make the copies' memory their own
     while question := line.recv(_LONGEST):
         match json.loads(question):

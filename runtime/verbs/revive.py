@@ -16,7 +16,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Start it and wait until it is there; 1 if it does not come."""
     began = time.monotonic()
-    with Nursery() as nursery:  # which imports what an agent needs, while this looks for the robot
+    with Nursery(args.role) as nursery:  # it imports while this one looks for the robot
         from runtime.launching.finding import target_of
         from runtime.launching.reviving import revive
 
