@@ -5,7 +5,8 @@ from typing import cast
 import numpy as np
 
 from agents.agent import Array
-from agents.arithmetic import Parts, alike, between, greater, lesser
+from agents.arithmetic import alike, between, greater, lesser
+from plant.kinematics import Parts
 
 
 class EagerGain:

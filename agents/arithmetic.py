@@ -12,11 +12,10 @@ import numpy as np
 import numpy.typing as npt
 
 from agents.agent import Array
+from plant.kinematics import Parts
 
 Mask = npt.NDArray[np.bool_]
 """Yes or no for each robot of a batch, or a plain bool where there is none."""
-Parts = tuple[Array, Array, Array]
-"""x, y and z (...) of vectors (..., 3)."""
 AT_REST: Parts = (0.0, 0.0, 0.0)  # type: ignore[assignment]
 """The velocity [m/s] of what stands still, for one or for many."""
 

@@ -103,12 +103,13 @@ class LineByEye(Law):
         elapsed = self._window if self._t is None else t - self._t
         if elapsed < 0.9 * self._window:
             return self._will
-        self._eye.see(t, view.hand)
+        hand = view.hand
+        self._eye.see(t, hand)
         if self._t is not None:
-            self._learn(t, view.hand)
+            self._learn(t, hand)
         self._will = self._decide(t, goal, elapsed)
         self._motion.tell(t, np.stack([self._will, self._chance]))
-        self._t, self._hand = t, view.hand
+        self._t, self._hand = t, hand
         return self._will
 
     def _learn(self, t: float, hand: Array) -> None:

@@ -3,7 +3,6 @@
 from agents.adaptation import SteadierGain
 from agents.agent import Array
 from agents.arithmetic import (
-    Parts,
     arctan2,
     between,
     greater,
@@ -14,7 +13,7 @@ from agents.arithmetic import (
     within,
 )
 from agents.laws import LineByModel
-from plant.kinematics import ArmPose
+from plant.kinematics import ArmPose, Parts
 
 
 class CarriedLineByModel(LineByModel):

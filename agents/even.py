@@ -4,8 +4,9 @@ from math import exp
 
 from agents.adaptation import EagerGain
 from agents.agent import Array, Body
-from agents.arithmetic import Parts, between, greater, lesser, moved, sqrt, squared_length, within
+from agents.arithmetic import between, greater, lesser, moved, sqrt, squared_length, within
 from agents.laws import LineByModel
+from plant.kinematics import Parts
 
 
 class Insistence:

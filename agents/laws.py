@@ -10,7 +10,6 @@ from agents.adaptation import EagerGain, Elapsed, SeenVelocity
 from agents.agent import Array, Body, Goal
 from agents.arithmetic import (
     AT_REST,
-    Parts,
     between,
     moved,
     sqrt,
@@ -21,7 +20,7 @@ from agents.bend import Bend
 from agents.sight import View, goal_parts
 from agents.stops import Stops
 from agents.turning import best_turn, turned
-from plant.kinematics import ArmPose
+from plant.kinematics import ArmPose, Parts
 
 
 class Own(NamedTuple):

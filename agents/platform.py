@@ -8,7 +8,6 @@ from agents.adaptation import Elapsed, SeenVelocity, SteadierGain
 from agents.agent import REST, Agent, AgentError, Array, Body, Goal, Percepts
 from agents.arithmetic import (
     Mask,
-    Parts,
     alike,
     arctan2,
     between,
@@ -30,7 +29,7 @@ from agents.scene import COURSE_SPEED, FAR, Scene, level
 from agents.sight import Perception, Sight, goal_parts
 from agents.towing import Towing
 from agents.turning import wrapped
-from plant.kinematics import Kinematics
+from plant.kinematics import Kinematics, Parts
 from plant.robot import Drive
 
 

@@ -3,7 +3,8 @@
 from typing import NamedTuple
 
 from agents.agent import Array
-from agents.arithmetic import Parts, greater, lesser, sqrt
+from agents.arithmetic import greater, lesser, sqrt
+from plant.kinematics import Parts
 
 FRONT = 0.29  # [m] ahead of the axle from which turning serves the hand in full
 FAR = 0.28  # [m] from the goal, seen from above, from which it is driven to

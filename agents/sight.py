@@ -6,8 +6,8 @@ import numpy as np
 import numpy.typing as npt
 
 from agents.agent import Array, Body, Goal, Percepts
-from agents.arithmetic import AT_REST, Parts, known, moved, parts, sqrt
-from plant.kinematics import ArmPose, kinematics_of
+from agents.arithmetic import AT_REST, known, moved, parts, sqrt
+from plant.kinematics import ArmPose, Parts, kinematics_of
 
 Perception = Literal["auto", "blackboard", "localiser"]
 

@@ -3,7 +3,8 @@
 import numpy as np
 
 from agents.agent import Array
-from agents.arithmetic import Parts, arctan2, between, cos, sin
+from agents.arithmetic import arctan2, between, cos, sin
+from plant.kinematics import Parts
 
 
 def best_turn(tip: Parts, goal: Parts, point: Parts, axis: Parts) -> Array:

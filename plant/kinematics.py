@@ -24,24 +24,23 @@ class ArmPose:
     def __init__(self, numbers: Sequence[Array], batch: tuple[int, ...]) -> None:
         """Be the arm, or the arms of that leading shape, of what `forward_function` returns."""
         self._numbers, self._batch = numbers, batch
-        self._axes = (len(numbers) + 12) // 2  # where they begin
+        self._axes_begin = (len(numbers) + 12) // 2  # there are as many as for points
 
     @property
     def tip_parts(self) -> Parts:
         """The grip point [m]."""
-        x, y, z = self._numbers[:3]
-        return x, y, z
+        return self._three(0)
 
     def point_parts(self, index: int) -> Parts:
         """A point on the axis of joint `index` (from 0): the origin of its frame [m]."""
-        first = 12 + 3 * index
-        x, y, z = self._numbers[first : first + 3]
-        return x, y, z
+        return self._three(12 + 3 * index)
 
     def axis_parts(self, index: int) -> Parts:
         """The unit axis of joint `index` (from 0)."""
-        first = self._axes + 3 * index
-        x, y, z = self._numbers[first : first + 3]
+        return self._three(self._axes_begin + 3 * index)
+
+    def _three(self, begin: int) -> Parts:
+        x, y, z = self._numbers[begin : begin + 3]
         return x, y, z
 
     @cached_property
@@ -57,12 +56,12 @@ class ArmPose:
     @cached_property
     def points(self) -> Array:
         """(..., n, 3), a point on each joint's axis: the origin of its frame [m]."""
-        return self._vectors(12, self._axes)
+        return self._vectors(12, self._axes_begin)
 
     @cached_property
     def axes(self) -> Array:
         """(..., n, 3), each joint's unit axis."""
-        return self._vectors(self._axes, len(self._numbers))
+        return self._vectors(self._axes_begin, len(self._numbers))
 
     def _vectors(self, begin: int, end: int) -> Array:
         """(..., (end - begin) / 3, 3), in which each number of all arms lies side by side."""
