@@ -8,8 +8,8 @@ import numpy as np
 
 from plant.faults import Fault
 from plant.kinematics import ArmPose, quaternion
-from plant.motion import Commands, State, stopping_speed
-from plant.robot import Array, Robot
+from plant.motion import Commands, Row, State, stopping_speed
+from plant.robot import Array, Numbers, Robot
 
 RUNAWAY_INTERVAL = 0.5
 """Mean time for which a joint that runs away keeps one random speed [s]."""
@@ -42,6 +42,22 @@ class Sighting(NamedTuple):
     def orientation(self) -> Array:
         """(..., 4), the unit quaternion x, y, z, w; worked out only when it is asked for."""
         return quaternion(self.rotation)
+
+
+class Readings(NamedTuple):
+    """What the sensors of a lone robot tell, in plain numbers.
+
+    Attributes:
+        q: n of the encoders [rad]; NaN for a joint whose encoder is lost.
+        qd: n of the encoders [rad/s]; NaN likewise.
+        hand: x, y, z of the grip point [m] by the localiser; empty when it is lost.
+        orientation: The hand's unit quaternion x, y, z, w; empty likewise.
+    """
+
+    q: Numbers
+    qd: Numbers
+    hand: Numbers = ()
+    orientation: Numbers = ()
 
 
 class Effects:
@@ -154,7 +170,7 @@ class Effects:
                 return self._memory[fault.target]
         return 0.0  # locked where it is
 
-    def _drive(self, fault: Fault, base: Array) -> Array:
+    def _drive(self, fault: Fault, base: Row) -> Array:
         drive = self._robot.drive
         if drive is None or fault.value is None:
             return np.zeros(2)

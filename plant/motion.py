@@ -1,30 +1,75 @@
 """How a robot moves within its limits: one step of joints and platform, for one or thousands."""
 
 import math
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
-from plant.robot import Array, Robot
+from plant.robot import Array, Numbers, Robot
+
+Row = Array | Numbers
+"""An array (..., k), or the k plain numbers of a lone robot."""
 
 
-class State(NamedTuple):
+class State:
     """The truth about a robot, or about many at once (leading dimensions).
 
-    Attributes:
-        t: Plant time [s].
-        q: (..., n), joint angles [rad].
-        qd: (..., n), joint speeds [rad/s].
-        base: (..., 3), x, y [m] and heading [rad] in the world; the heading is not wrapped.
-        base_velocity: (..., 2), speed forward [m/s] and turning speed [rad/s].
+    Of a lone robot it keeps plain numbers, which are all that a step takes and gives; arrays are
+    made of them when they are asked for, and cannot be written to.
     """
 
-    t: float
-    q: Array
-    qd: Array
-    base: Array
-    base_velocity: Array
+    def __init__(self, t: float, q: Row, qd: Row, base: Row, base_velocity: Row) -> None:
+        """Be what the attributes below tell: `t` in seconds, the rest as rows."""
+        self.t = t
+        self._rows = q, qd, base, base_velocity
+
+    @property
+    def is_lone(self) -> bool:
+        """Whether it is of one robot, and of no batch of one either."""
+        return _is_of_one(self._rows[0])
+
+    @property
+    def numbers(self) -> tuple[Numbers, Numbers, Numbers, Numbers]:
+        """The angles, speeds, base and base velocity of a lone robot."""
+        q, qd, base, base_velocity = self._rows
+        return _numbers(q), _numbers(qd), _numbers(base), _numbers(base_velocity)
+
+    @cached_property
+    def q(self) -> Array:
+        """(..., n), joint angles [rad]."""
+        return _array(self._rows[0])
+
+    @cached_property
+    def qd(self) -> Array:
+        """(..., n), joint speeds [rad/s]."""
+        return _array(self._rows[1])
+
+    @cached_property
+    def base(self) -> Array:
+        """(..., 3), x, y [m] and heading [rad] in the world; the heading is not wrapped."""
+        return _array(self._rows[2])
+
+    @cached_property
+    def base_velocity(self) -> Array:
+        """(..., 2), speed forward [m/s] and turning speed [rad/s]."""
+        return _array(self._rows[3])
+
+
+def _is_of_one(row: Row) -> bool:
+    return isinstance(row, tuple) or row.ndim == 1
+
+
+def _numbers(row: Row) -> Numbers:
+    return row if isinstance(row, tuple) else tuple(row.tolist())
+
+
+def _array(row: Row) -> Array:
+    if not isinstance(row, tuple):
+        return row
+    array = np.array(row)
+    array.flags.writeable = False
+    return array
 
 
 STILL = np.zeros(2)
@@ -33,15 +78,15 @@ STILL.flags.writeable = False
 
 
 class Commands(NamedTuple):
-    """What the motors are told.
+    """What the motors are told; a lone robot's may be plain numbers.
 
     Attributes:
         joints: (..., n), [rad/s].
         base: (..., 2), speed forward [m/s], turning speed [rad/s]; of no effect without a drive.
     """
 
-    joints: Array
-    base: Array = STILL
+    joints: Row
+    base: Row = STILL
 
 
 def step(robot: Robot, state: State, commands: Commands, period: float) -> State:
@@ -53,7 +98,7 @@ def step(robot: Robot, state: State, commands: Commands, period: float) -> State
     joints stop in time, as in every state that this function has made. A lone robot is computed in
     plain floats, in a third of the time.
     """
-    if state.q.ndim == 1 and commands.joints.ndim == 1 and commands.base.ndim == 1:
+    if state.is_lone and _is_of_one(commands.joints) and _is_of_one(commands.base):
         return _step_of_one(robot, state, commands, period)
     qd = _limited(commands.joints, state.qd, robot.max_speed, robot.max_acceleration * period)
     room = np.minimum(robot.upper - state.q, state.q - robot.lower)
@@ -78,11 +123,12 @@ def step(robot: Robot, state: State, commands: Commands, period: float) -> State
 
 
 def _step_of_one(robot: Robot, state: State, commands: Commands, period: float) -> State:
-    """The same for arrays (n,), (3,) and (2,)."""
-    q, qd = [], []
-    seen = zip(state.q.tolist(), state.qd.tolist(), commands.joints.tolist(), strict=True)
-    for bounds, (angle, before, wanted) in zip(_bounds(robot, period), seen, strict=True):
-        lower, upper, top, change, far, acceleration = bounds
+    """The same in plain numbers."""
+    angles, speeds, base, velocity = state.numbers
+    q: list[float] = []
+    qd: list[float] = []
+    moving = zip(angles, speeds, _numbers(commands.joints), _bounds(robot, period), strict=True)
+    for angle, before, wanted, (lower, upper, top, change, far, acceleration) in moving:
         speed = _nearest(wanted, before, top, change)
         room = upper - angle if speed > 0.0 else angle - lower
         if room < far:
@@ -92,17 +138,17 @@ def _step_of_one(robot: Robot, state: State, commands: Commands, period: float) 
         qd.append(speed)
     t = round(state.t + period, 12)
     if robot.drive is None:
-        return State(t, np.array(q), np.array(qd), state.base, state.base_velocity)
-    drive, was, told = robot.drive, state.base_velocity.tolist(), commands.base.tolist()
+        return State(t, tuple(q), tuple(qd), base, velocity)
+    drive, told = robot.drive, _numbers(commands.base)
     changes = drive.max_linear_acceleration * period, drive.max_angular_acceleration * period
-    linear = _nearest(told[0], was[0], drive.max_linear, changes[0])
-    angular = _nearest(told[1], was[1], drive.max_angular, changes[1])
-    x, y, heading = state.base.tolist()
+    linear = _nearest(told[0], velocity[0], drive.max_linear, changes[0])
+    angular = _nearest(told[1], velocity[1], drive.max_angular, changes[1])
+    x, y, heading = base
     half = 0.5 * period * angular
     chord = period * linear * (1.0 if half == 0.0 else math.sin(half) / half)
     middle = heading + half
-    base = (x + chord * math.cos(middle), y + chord * math.sin(middle), middle + half)
-    return State(t, np.array(q), np.array(qd), np.array(base), np.array((linear, angular)))
+    base = x + chord * math.cos(middle), y + chord * math.sin(middle), middle + half
+    return State(t, tuple(q), tuple(qd), base, (linear, angular))
 
 
 @lru_cache(maxsize=8)
@@ -160,11 +206,11 @@ def stopping_speed(distance: Array, acceleration: Array | float, period: float) 
     return speed
 
 
-def _limited(wanted: Array, now: Array, speed: Array, change: Array) -> Array:
+def _limited(wanted: Row, now: Array, speed: Array, change: Array) -> Array:
     """The velocity nearest to the one wanted that is no faster, and no further from the present."""
     return now + _cut(_cut(wanted, speed) - now, change)
 
 
-def _cut(value: Array, size: Array) -> Array:
+def _cut(value: Row, size: Array) -> Array:
     cut: Array = np.minimum(np.maximum(value, -size), size)
     return cut

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from plant.errors import MsmaError
 
 Array = npt.NDArray[np.float64]
+Numbers = tuple[float, ...]
 
 
 class RobotError(MsmaError, ValueError):

@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from plant.effects import Effects, Encoders, Sighting
+from plant.effects import Effects, Encoders, Readings, Sighting
 from plant.faults import Fault
-from plant.kinematics import ArmPose, kinematics_of
-from plant.motion import Commands, State, step
+from plant.kinematics import ArmPose, kinematics_of, quaternion_of_one
+from plant.motion import Commands, Row, State, step
 from plant.robot import Array, Robot, RobotError
 
 
@@ -102,9 +102,15 @@ class Simulator:
     def arm(self) -> ArmPose:
         """Where the whole arm truly is, in the world."""
         if self._arm is None:
-            base = None if self._at_origin else self._state.base
-            self._arm = self._kinematics.forward(self._state.q, base)
+            self._arm = self._forward()
         return self._arm
+
+    def _forward(self) -> ArmPose:
+        state = self._state
+        if state.is_lone:
+            q, _, base, _ = state.numbers
+            return self._kinematics.forward_of_one(q, base)
+        return self._kinematics.forward(state.q, None if self._at_origin else state.base)
 
     def hand(self) -> Hand:
         """Where the hand truly is."""
@@ -119,23 +125,37 @@ class Simulator:
         """What the localiser tells of the hand: nothing when it is lost."""
         return self._effects.on_localiser(self._sighting)
 
+    def readings(self) -> Readings:
+        """What all sensors of a lone robot tell, in plain numbers."""
+        if self._effects.faults:
+            encoders, seen = self.encoders(), self.localiser()
+            hand = () if seen is None else (seen.position, seen.orientation)
+            return Readings(*(tuple(array.tolist()) for array in (*encoders, *hand)))
+        q, qd, _, _ = self._state.numbers
+        place, rotation = self.arm().hand_of_one
+        return Readings(q, qd, place, quaternion_of_one(rotation))
+
     def _sighting(self) -> Sighting:
         arm = self.arm()
         return Sighting(arm.tip, arm.rotation)
 
 
-def _by_column(values: Array) -> Array:
+def _by_column(values: Array) -> Row:
     """A copy (..., n) in which the numbers of one column, of all robots, lie side by side.
 
-    Each joint's agent, and each limit of a joint, is for one column.
+    Each joint's agent, and each limit of a joint, is for one column. Of a lone robot it is plain
+    numbers.
     """
+    if values.ndim == 1:
+        return tuple(values.tolist())
     return np.moveaxis(np.moveaxis(values, -1, 0).copy(), 0, -1)
 
 
 def _final(state: State) -> State:
     """The same state; from now on nobody can write to its arrays."""
-    for array in state[1:]:
-        array.setflags(write=False)
+    if not state.is_lone:  # whose arrays, if any are asked for, are so from the beginning
+        for array in (state.q, state.qd, state.base, state.base_velocity):
+            array.setflags(write=False)
     return state
 
 

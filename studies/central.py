@@ -30,8 +30,8 @@ class Part(Agent):
         """The velocity that the controller wants of this motor."""
         commands = self._mind.commands(percepts)
         if self._column is None:
-            return commands.base
-        speed: Array = commands.joints[..., self._column]
+            return np.asarray(commands.base)
+        speed: Array = np.asarray(commands.joints)[..., self._column]
         return speed
 
 

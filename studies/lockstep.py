@@ -73,7 +73,9 @@ def run(
         if tick % every == 0:
             place = np.broadcast_to(goal.at(state.t), plant.hand().position.shape)
             hand = plant.hand().position
-            ticks.append((np.array(state.t), hand, place, *state[1:]))
+            ticks.append(
+                (np.array(state.t), hand, place, state.q, state.qd, state.base, state.base_velocity)
+            )
         plant.step(decide_all(living, percepts_of(plant, goal), state.q.shape))
     return Trace(*(np.stack(column) for column in zip(*ticks, strict=True)))
 

@@ -4,8 +4,6 @@ import math
 from collections.abc import Callable
 from typing import NamedTuple
 
-import numpy as np
-
 from plant.motion import Commands
 from plant.robot import Robot
 from runtime.wire import keys
@@ -112,8 +110,8 @@ class Orders:
             else:
                 speeds.extend(_speeds(voice.message))
                 ages.append(age)
-        joints, base = np.array(speeds[: self._n]), speeds[self._n :]
-        return Commands(joints, np.array(base)) if base else Commands(joints), ages
+        joints, base = tuple(speeds[: self._n]), tuple(speeds[self._n :])
+        return Commands(joints, base) if base else Commands(joints), ages
 
 
 def _speeds(command: Command) -> tuple[float, ...]:

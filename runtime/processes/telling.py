@@ -25,16 +25,14 @@ class Teller:
 
     def tell(self) -> None:
         """Send the present state."""
-        simulator = self._simulator
-        state, seen, encoders = simulator.state, simulator.localiser(), simulator.encoders()
+        state, readings = self._simulator.state, self._simulator.readings()
         told: list[tuple[Publisher, Message]] = []
         if self._has_drive:
-            told.append((self._platform, PlatformPose(state.t, *state.base.tolist())))
-        if seen is not None:
-            position, orientation = seen.position.tolist(), seen.orientation.tolist()
-            told.append((self._hand, HandPose(state.t, tuple(position), tuple(orientation))))
-        q, qd = encoders.q.tolist(), encoders.qd.tolist()
-        told.append((self._joints, JointStates(state.t, tuple(q), tuple(qd))))
+            x, y, heading = state.numbers[2]
+            told.append((self._platform, PlatformPose(state.t, x, y, heading)))
+        if readings.hand:
+            told.append((self._hand, HandPose(state.t, readings.hand, readings.orientation)))
+        told.append((self._joints, JointStates(state.t, readings.q, readings.qd)))
         send_together(told)
 
 
@@ -57,13 +55,14 @@ class Truth:
     def line(self, ages: Sequence[float | None]) -> str:
         """Return the present truth, and how old each command in force is [s]."""
         state = self._simulator.state
+        q, qd, base, base_velocity = state.numbers
         return self._line % (
             time.time(),
             state.t,
-            *self._simulator.hand().position.tolist(),
-            *state.q.tolist(),
-            *state.qd.tolist(),
-            *state.base.tolist(),
-            *state.base_velocity.tolist(),
+            *self._simulator.arm().tip_parts,
+            *q,
+            *qd,
+            *base,
+            *base_velocity,
             ", ".join(["null" if age is None else f"{age:.6f}" for age in ages]),
         )

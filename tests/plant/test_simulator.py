@@ -10,7 +10,7 @@ from plant.kinematics import Kinematics, quaternion
 from plant.robot import Array, RobotError
 from plant.simulator import Simulator
 from plant.urdf import load
-from tests.plant.moving import ARPH, BASE, PERIOD, START, arph, run
+from tests.plant.moving import ARPH, BASE, PERIOD, START, TOLD, arph, run
 
 PLANAR5 = load("planar5")
 
@@ -36,6 +36,36 @@ def test_a_whole_robot_tells_the_truth() -> None:
     assert sighting is not None
     np.testing.assert_array_equal(sighting.position, pose.position)
     np.testing.assert_array_equal(sighting.orientation, quaternion(pose.rotation))
+
+
+@pytest.mark.parametrize(
+    "faults",
+    [
+        (),
+        ("joint/2:weak=1",),
+        ("encoder/2:biased=0.1 rad", "localiser:late=120 ms"),
+        ("encoder/3:lost", "localiser:lost"),
+    ],
+)
+def test_readings_are_what_encoders_and_localiser_tell(faults: tuple[str, ...]) -> None:
+    simulator = arph(*faults)
+    run(simulator, 1.0)
+    readings, seen, encoders = simulator.readings(), simulator.localiser(), simulator.encoders()
+    np.testing.assert_array_equal(readings.q, encoders.q)
+    np.testing.assert_array_equal(readings.qd, encoders.qd)
+    assert (seen is None) == (readings.hand == ()) == (readings.orientation == ())
+    if seen is not None:
+        np.testing.assert_array_equal(readings.hand, seen.position)
+        np.testing.assert_array_equal(readings.orientation, seen.orientation)
+
+
+@pytest.mark.parametrize("many", [(), (3,)])
+def test_what_a_state_holds_cannot_be_written_to(many: tuple[int, ...]) -> None:
+    simulator = Simulator(ARPH, np.broadcast_to(START, (*many, 6)), BASE, period=PERIOD)
+    for state in (simulator.state, simulator.step(TOLD)):
+        for array in (state.q, state.qd, state.base, state.base_velocity):
+            with pytest.raises(ValueError, match="read-only"):
+                array[...] = 0.0
 
 
 def test_a_state_once_given_does_not_change() -> None:

@@ -35,8 +35,7 @@ class Plant:
 
     def joints(self, at: float) -> list[float]:
         commands, _ = self.orders.in_force(at)
-        speeds: list[float] = commands.joints.tolist()
-        return speeds
+        return list(commands.joints)
 
 
 @pytest.fixture
@@ -46,8 +45,8 @@ def plant() -> Plant:
 
 def test_at_first_all_stand_still(plant: Plant) -> None:
     commands, ages = plant.orders.in_force(0.0)
-    assert not commands.joints.any()
-    assert not commands.base.any()
+    assert not any(commands.joints)
+    assert not any(commands.base)
     assert ages == [None] * 7
 
 
@@ -75,7 +74,7 @@ def test_each_motor_has_a_hold_time_of_its_own(plant: Plant) -> None:
     plant.hears(2, 0.6, at=1.1)
     commands, _ = plant.orders.in_force(1.1 + HOLD)
     np.testing.assert_array_equal(commands.joints, [0, 0.6, 0, 0, 0, 0])
-    assert not commands.base.any()
+    assert not any(commands.base)
 
 
 def test_only_the_latest_command_counts_and_what_was_given_does_not_change(plant: Plant) -> None:
