@@ -15,7 +15,7 @@ class Watched(Answers):
     """Notes each tick told and each answer heard, exactly."""
 
     def __init__(self, ticks: Ticks, period: float) -> None:
-        super().__init__(period)
+        super().__init__()
         self._ticks, self._step = ticks, period
 
     def told(self, t: float, now: float) -> None:

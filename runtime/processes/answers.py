@@ -8,28 +8,27 @@ from collections.abc import Mapping
 from runtime.processes.meters import Durations
 from runtime.wire.fields import Spread
 
-_KEPT = 1024  # states that can still be answered
+_KEPT = 512  # states at least that can still be answered
 
 
 class Answers:
-    """Times from telling a state to the arrival of each role's answer to it.
+    """Times from telling a state to the arrival of each role's answer to it."""
 
-    period: of the states [s, plant time]
-    """
-
-    def __init__(self, period: float) -> None:
-        self._period = period
-        self._told = [(-1.0, 0.0)] * _KEPT  # t and when it was told
+    def __init__(self) -> None:
+        self._told: dict[float, float] = {}  # when, by t
+        self._before: dict[float, float] = {}  # those told before these
         self._durations: dict[str, Durations] = {}
 
     def told(self, t: float, now: float) -> None:
         """The state of plant time `t` [s] was told `now` [s]."""
-        self._told[round(t / self._period) % _KEPT] = (t, now)
+        if len(self._told) == _KEPT:
+            self._before, self._told = self._told, {}
+        self._told[t] = now
 
     def heard(self, role: str, t: float, now: float) -> None:
         """An answer of `role` to the state of `t` [s] arrived `now` [s]."""
-        then, told = self._told[round(t / self._period) % _KEPT]
-        if then == t and now >= told:
+        told = self._told.get(t) or self._before.get(t)
+        if told is not None and now >= told:
             durations = self._durations.get(role)
             if durations is None:
                 durations = self._durations[role] = Durations()

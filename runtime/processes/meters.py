@@ -21,8 +21,8 @@ class Durations:
         """Add one duration [s]."""
         if seconds > self._worst:
             self._worst = seconds
-        doublings = math.log2(seconds / _SHORTEST) if seconds > _SHORTEST else 0.0
-        self._bins[min(int(doublings * _BINS_A_DOUBLING), _BINS - 1)] += 1
+        index = int(_BINS_A_DOUBLING * math.log2(seconds / _SHORTEST)) if seconds > _SHORTEST else 0
+        self._bins[index if index < _BINS else -1] += 1
         self.count += 1
 
     def spread(self) -> Spread:

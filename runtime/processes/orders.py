@@ -19,13 +19,6 @@ _ROUNDING = 1 + 1e-9
 Command = JointCommand | PlatformCommand
 
 
-class Answered(NamedTuple):
-    """A role answered the state of plant time `t` [s]."""
-
-    role: str
-    t: float
-
-
 class _Motor(NamedTuple):
     """What one agent commands: a joint or the platform.
 
@@ -75,8 +68,11 @@ class Orders:
             ears = Ear(key, PlatformCommand, fresh, refusals)
             self._motors[key] = _Motor(keys.PLATFORM_AGENT, ears, limits, (0.0, 0.0))
 
-    def take(self, arrival: Arrival, t: float) -> Answered | None:
-        """Take what arrived at plant time `t` [s]; None if it was refused."""
+    def take(self, arrival: Arrival, t: float) -> tuple[str, float] | None:
+        """Take what arrived at plant time `t` [s].
+
+        Return which role answers the state of which plant time [s]; None if it was refused.
+        """
         motor = self._motors.get(arrival.key)
         if motor is None:
             self._refusals.count_unknown(arrival.key)
@@ -88,7 +84,7 @@ class Orders:
             if abs(speed) > limit:  # the robot moves no faster than it can
                 detail = f"{speed:g}, at most {limit:g}"
                 self._refusals.count(arrival.key, Reason.OVER_LIMIT, detail)
-        return Answered(motor.role, command.t)
+        return motor.role, command.t
 
     def in_force(self, t: float) -> tuple[Commands, list[float | None]]:
         """Return what the motors are told at plant time `t` [s], and the age of each command [s].

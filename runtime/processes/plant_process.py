@@ -53,7 +53,7 @@ class PlantLoop(Loop):
             refusals=process.refusals,
             say=self._note_obeyed,
         )
-        self._answers = answers or Answers(self._period)
+        self._answers = answers or Answers()
         self._teller = Teller(process.bus, self._simulator)
         self._truth = Truth(self._simulator)
         self._goal = GoalKeeper(process.bus, process.refusals)
@@ -119,7 +119,7 @@ class PlantLoop(Loop):
             answered = self._orders.take(arrival, max(t - ago, 0.0))
             if answered is not None:
                 any_sound = True
-                self._answers.heard(answered.role, answered.t, arrived)
+                self._answers.heard(*answered, arrived)
         return any_sound
 
     def _on_fault(self, text: bytes) -> bytes:

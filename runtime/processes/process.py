@@ -28,7 +28,7 @@ from runtime.wire import keys
 from runtime.wire.bus import BusError
 from runtime.wire.fields import Spread
 from runtime.wire.lingering import let_go
-from runtime.wire.messages import Diag, pack, stamp
+from runtime.wire.messages import Diag, stamped
 from runtime.wire.refusals import Refusals
 from runtime.wire.strangers import Strangers
 
@@ -197,7 +197,7 @@ class Process:
 
     def _diag_bytes(self, loop: Loop) -> bytes:
         self._n += 1
-        return pack(stamp(self.diag(loop), self.bus.incarnation, self._n))
+        return stamped(self.diag(loop), self.bus.incarnation, self._n)
 
     def _stop(self, _: bytes) -> bytes:
         self.ending.ask("asked to stop")

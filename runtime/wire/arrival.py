@@ -17,6 +17,9 @@ class Arrival(NamedTuple):
     data: bytes
 
 
+_new = tuple.__new__  # in a third of the time that the class takes
+
+
 def reader(expression: str) -> Callable[[zenoh.Sample], Arrival]:
     """Return what reads the samples that come on a key expression.
 
@@ -24,12 +27,12 @@ def reader(expression: str) -> Callable[[zenoh.Sample], Arrival]:
     """
     if "*" in expression:
         return arrival_of
-    return lambda sample: Arrival(expression, data_of(sample.payload))
+    return lambda sample: _new(Arrival, (expression, data_of(sample.payload)))
 
 
 def arrival_of(sample: zenoh.Sample) -> Arrival:
     """Return what a sample holds."""
-    return Arrival(str(sample.key_expr), data_of(sample.payload))
+    return _new(Arrival, (str(sample.key_expr), data_of(sample.payload)))
 
 
 def data_of(payload: zenoh.ZBytes) -> bytes:

@@ -19,7 +19,7 @@ from runtime.wire import keys
 from runtime.wire.arrival import Arrival, data_of, reader
 from runtime.wire.direct import Reflex, Tray, directly
 from runtime.wire.mesh import Place
-from runtime.wire.messages import Message, pack, stamp
+from runtime.wire.messages import Message, stamped
 from runtime.wire.security import Credentials
 from runtime.wire.session import config
 
@@ -54,7 +54,7 @@ class Publisher:
 
     def _packed(self, message: Message) -> bytes:
         self._n += 1
-        return pack(stamp(message, self._incarnation, self._n))
+        return stamped(message, self._incarnation, self._n)
 
     def _put(self, packed: bytes) -> None:
         try:

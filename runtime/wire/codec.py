@@ -32,18 +32,22 @@ def reader(kind: type[Any], fields: Sequence[Field]) -> Callable[[Wire], Any]:
     return _function("wire", [*lines, f"return new(kind, ({values}))"], scope)
 
 
-def writer(fields: Sequence[Field]) -> Callable[[Any], dict[str, Any]]:
-    """Return what makes a map, for msgpack, of a message with these fields."""
+def writer(fields: Sequence[Field]) -> Callable[[Any, int, int], dict[str, Any]]:
+    """Return what makes a map, for msgpack, of a message with these fields, `by` and `n` last.
+
+    These two it is told: so nobody has to make a message anew to stamp it.
+    """
     scope: dict[str, Any] = {f"write{i}": field.write for i, field in enumerate(fields)}
     values = ", ".join(f"_{i}" for i in range(len(fields)))
     items = ", ".join(
         f"{name!r}: " + (f"_{i}" if write is None else f"write{i}(_{i})")
-        for i, (name, _, write) in enumerate(fields)
+        for i, (name, _, write) in enumerate(fields[:-2])
     )
-    return _function("message", [f"{values} = message", f"return {{{items}}}"], scope)
+    lines = [f"{values} = message", f"return {{{items}, 'by': by, 'n': n}}"]
+    return _function("message, by, n", lines, scope)
 
 
-def _function(argument: str, lines: Sequence[str], scope: dict[str, Any]) -> Callable[[Any], Any]:
-    exec("\n    ".join([f"def written_out({argument}):", *lines]), scope)  # all of our own making
-    function: Callable[[Any], Any] = scope["written_out"]
+def _function(arguments: str, lines: Sequence[str], scope: dict[str, Any]) -> Callable[..., Any]:
+    exec("\n    ".join([f"def written_out({arguments}):", *lines]), scope)  # all of our own making
+    function: Callable[..., Any] = scope["written_out"]
     return function

@@ -187,14 +187,14 @@ _READ = {kind: reader(kind, fields) for kind, fields in FIELDS.items()}
 _WRITE = {kind: writer(fields) for kind, fields in FIELDS.items()}
 
 
-def stamp(message: M, by: int, n: int) -> M:
-    """Return the message as the `n`th of incarnation `by`."""
-    return tuple.__new__(type(message), (*message[:-2], by, n))
-
-
 def pack(message: Message) -> bytes:
     """Return the message as it travels."""
-    packed: bytes = msgpack.packb(_WRITE[type(message)](message))
+    return stamped(message, message.by, message.n)
+
+
+def stamped(message: Message, by: int, n: int) -> bytes:
+    """Return the message as it travels, as the `n`th of incarnation `by` whatever it says."""
+    packed: bytes = msgpack.packb(_WRITE[type(message)](message, by, n))
     return packed
 
 

@@ -20,7 +20,7 @@ from runtime.wire.messages import (
     PlatformCommand,
     PlatformPose,
     pack,
-    stamp,
+    stamped,
     unpack,
 )
 from runtime.wire.refusals import Reason
@@ -93,9 +93,7 @@ def test_what_was_sent_arrives(message: Message) -> None:
 
 @given(st.one_of(*MESSAGES.values()), counts, counts)
 def test_a_stamp_changes_by_and_n_alone(message: Message, by: int, n: int) -> None:
-    stamped = stamp(message, by, n)
-    assert type(stamped) is type(message)
-    assert stamped == message._replace(by=by, n=n)
+    assert unpack(type(message), stamped(message, by, n)) == message._replace(by=by, n=n)
 
 
 def test_a_goal_travels_with_from_and_until() -> None:

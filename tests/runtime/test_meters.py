@@ -38,7 +38,7 @@ def test_a_rate_is_that_since_the_last_look() -> None:
 
 
 def test_the_answer_to_a_state_is_timed_from_when_the_state_was_told() -> None:
-    answers = Answers(0.06)
+    answers = Answers()
     answers.told(0.60, 7.0)
     answers.told(0.66, 7.06)
     answers.heard("joint/1", 0.60, 7.002)
@@ -49,14 +49,14 @@ def test_the_answer_to_a_state_is_timed_from_when_the_state_was_told() -> None:
 
 @pytest.mark.parametrize("t", [0.3, 0.61, 600.0, -5.0, 1e9])
 def test_an_answer_to_a_state_that_was_never_told_is_not_timed(t: float) -> None:
-    answers = Answers(0.06)
+    answers = Answers()
     answers.told(0.60, 7.0)
     answers.heard("joint/1", t, 7.002)
     assert answers.spreads() == {}
 
 
 def test_an_answer_to_a_state_of_long_ago_is_not_timed() -> None:
-    answers = Answers(0.001)
+    answers = Answers()
     for tick in range(5000):
         answers.told(round(tick * 0.001, 12), 7.0 + tick * 0.001)
     answers.heard("joint/1", 0.1, 12.0)

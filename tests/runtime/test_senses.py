@@ -13,7 +13,7 @@ from runtime.wire.messages import (
     Message,
     PlatformPose,
     pack,
-    stamp,
+    stamped,
 )
 from runtime.wire.refusals import UNKNOWN_KEYS, Reason, Refusals
 
@@ -40,7 +40,7 @@ class Agent:
 
     def hears(self, message: Message, at: float, by: int = 7) -> bool:
         self._n += 1
-        data = pack(stamp(message, by, self._n))
+        data = stamped(message, by, self._n)
         return self.senses.take(Arrival(KEYS[type(message)], data), at)
 
     def sees(self, at: float) -> Percepts:
