@@ -2,7 +2,7 @@
 
 import math
 from functools import cached_property, lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -22,18 +22,19 @@ class State:
     def __init__(self, t: float, q: Row, qd: Row, base: Row, base_velocity: Row) -> None:
         """Be what the attributes below tell: `t` in seconds, the rest as rows."""
         self.t = t
-        self._rows = q, qd, base, base_velocity
+        self._rows: tuple[Any, Any, Any, Any] = q, qd, base, base_velocity
+        if type(q) is not tuple and _is_of_one(q):
+            self._rows = _numbers(q), _numbers(qd), _numbers(base), _numbers(base_velocity)
 
     @property
     def is_lone(self) -> bool:
         """Whether it is of one robot, and of no batch of one either."""
-        return _is_of_one(self._rows[0])
+        return type(self._rows[0]) is tuple
 
     @property
     def numbers(self) -> tuple[Numbers, Numbers, Numbers, Numbers]:
         """The angles, speeds, base and base velocity of a lone robot."""
-        q, qd, base, base_velocity = self._rows
-        return _numbers(q), _numbers(qd), _numbers(base), _numbers(base_velocity)
+        return self._rows
 
     @cached_property
     def q(self) -> Array:
