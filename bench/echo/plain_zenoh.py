@@ -69,7 +69,6 @@ def _plant(session: zenoh.Session, part: Part, think: Callable[[], object]) -> N
     out = [_publisher(session, key, express=key == JOINT_STATES) for key in STATES]
 
     def tell(tick: int) -> None:
-        think()
         for publisher, size in zip(out, STATES.values(), strict=True):
             publisher.put(message(tick, size))
 
@@ -77,6 +76,7 @@ def _plant(session: zenoh.Session, part: Part, think: Callable[[], object]) -> N
         for _ in range(len(came)):
             role, arrived, sample = came.popleft()
             yield role, arrived, sample.payload.to_bytes()
+        think()  # before the clock of the next answers runs: our plant simulates before that too
 
     be_plant(part, tell, heard)
 
