@@ -49,26 +49,30 @@ def thought_of(role: str, period: float) -> Thought:
         return Thought(nothing)
     run = arm_run(_RECORDED, period)
     if role == PLANT:
-        return Thought(_plant_of(run))
+        return _plant_of(run)
     agent = run.agents[role]
     cadence = Cadence(agent.rest, apart(ROLES.index(role)))
     return _agent_of(agent, run.seen, cadence, period)
 
 
-def _plant_of(run: ArmRun) -> Callable[[], object]:
+def _plant_of(run: ArmRun) -> Thought:
+    """Write the state as it is told, and before that, outside of the answer times, make it."""
     commands = [_command(0.0, velocity) for velocity in (*run.commands.joints, run.commands.base)]
     answers = [(type(command), pack(command)) for command in commands]
     base, hand, joints = _states(run.seen[-1])
 
-    def think() -> None:
-        for kind, data in answers:
-            unpack(kind, data)
-        run.plant.step(run.commands)
+    def write() -> None:
         for told in (base, hand, joints):
             pack(told)
 
+    def simulate() -> None:
+        for kind, data in answers:
+            unpack(kind, data)
+        run.plant.step(run.commands)
+        run.plant.readings()
+
     assert len(answers) == len(AGENTS)
-    return think
+    return Thought(write, simulate)
 
 
 def _agent_of(agent: Agent, seen: Sequence[Percepts], cadence: Cadence, period: float) -> Thought:

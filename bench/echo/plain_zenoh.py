@@ -41,7 +41,7 @@ def be(
     slot = ROLES.index(part.role)
     with zenoh.open(config("echo", on_loopback(part.port, len(ROLES)).seat(slot))) as session:
         if part.role == "plant":
-            _plant(session, part, think)
+            _plant(session, part, think, afterwards)
         else:
             _answer(session, part, think, afterwards)
 
@@ -55,7 +55,12 @@ def _publisher(session: zenoh.Session, key: str, *, express: bool = True) -> zen
     )
 
 
-def _plant(session: zenoh.Session, part: Part, think: Callable[[], object]) -> None:
+def _plant(
+    session: zenoh.Session,
+    part: Part,
+    think: Callable[[], object],
+    afterwards: Callable[[], object],
+) -> None:
     came: deque[tuple[str, float, zenoh.Sample]] = deque()
 
     def listen(role: str) -> None:
@@ -69,6 +74,7 @@ def _plant(session: zenoh.Session, part: Part, think: Callable[[], object]) -> N
     out = [_publisher(session, key, express=key == JOINT_STATES) for key in STATES]
 
     def tell(tick: int) -> None:
+        think()
         for publisher, size in zip(out, STATES.values(), strict=True):
             publisher.put(message(tick, size))
 
@@ -76,7 +82,7 @@ def _plant(session: zenoh.Session, part: Part, think: Callable[[], object]) -> N
         for _ in range(len(came)):
             role, arrived, sample = came.popleft()
             yield role, arrived, sample.payload.to_bytes()
-        think()  # before the clock of the next answers runs: our plant simulates before that too
+        afterwards()  # once it has heard the answers, before the next state is told
 
     be_plant(part, tell, heard)
 
