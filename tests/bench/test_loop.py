@@ -24,7 +24,6 @@ from bench.echo.load import (
 from bench.echo.side import Measured, run
 from bench.loop import (
     AMID,
-    AMID_RATE,
     EAGER,
     LIMIT,
     OURS,
@@ -82,13 +81,13 @@ def test_a_part_is_told_by_the_command_line() -> None:
 
 
 def test_all_sides_answer_and_are_weighed(tmp_path: Path) -> None:
-    bench = LoopBench({AMID_RATE: 1.0}, rounds=1)
+    bench = LoopBench({500: 1.0}, rounds=1)
     result = bench.measure(1.0, Watch())
     assert result.sound, result.checks
-    sides = result.data[str(AMID_RATE)]
+    sides = result.data["500"]
     assert set(sides) == {OURS, PLAIN, LIMIT, EAGER, AMID}
     for (found,) in sides.values():
-        assert found["ticks"]["ticks"] + found["ticks"]["missed"] == AMID_RATE
+        assert found["ticks"]["ticks"] + found["ticks"]["missed"] == 500
         assert all(found["ticks"]["heard"].values())
         assert set(found["usage"]) == set(ROLES)
         assert all(usage["pss"] > 1e6 for usage in found["usage"].values())
