@@ -55,6 +55,16 @@ def test_an_answer_to_a_state_that_was_never_told_is_not_timed(t: float) -> None
     assert answers.spreads() == {}
 
 
+def test_any_of_the_last_few_hundred_states_can_still_be_answered() -> None:
+    answers = Answers()
+    for tick in range(1700):
+        answers.told(tick * 0.001, 7.0 + tick * 0.001)
+        if tick >= 500:
+            answers.heard("joint/1", (tick - 500) * 0.001, 7.0 + tick * 0.001)
+    assert answers.spreads()["joint/1"].median == pytest.approx(0.5, rel=0.07)
+    assert answers.spreads()["joint/1"].worst == pytest.approx(0.5)
+
+
 def test_an_answer_to_a_state_of_long_ago_is_not_timed() -> None:
     answers = Answers()
     for tick in range(5000):
