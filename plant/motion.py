@@ -23,7 +23,7 @@ class State:
         """Be what the attributes below tell: `t` in seconds, the rest as rows."""
         self.t = t
         self._rows: tuple[Any, Any, Any, Any] = q, qd, base, base_velocity
-        if type(q) is not tuple and _is_of_one(q):
+        if not isinstance(q, tuple) and q.ndim == 1:
             self._rows = _numbers(q), _numbers(qd), _numbers(base), _numbers(base_velocity)
 
     @property

@@ -9,7 +9,7 @@ import numpy as np
 from plant.effects import Effects, Encoders, Readings, Sighting
 from plant.faults import Fault
 from plant.kinematics import ArmPose, kinematics_of, quaternion_of_one
-from plant.motion import Commands, Row, State, step
+from plant.motion import Commands, State, step
 from plant.robot import Array, Robot, RobotError
 
 
@@ -140,14 +140,11 @@ class Simulator:
         return Sighting(arm.tip, arm.rotation)
 
 
-def _by_column(values: Array) -> Row:
+def _by_column(values: Array) -> Array:
     """A copy (..., n) in which the numbers of one column, of all robots, lie side by side.
 
-    Each joint's agent, and each limit of a joint, is for one column. Of a lone robot it is plain
-    numbers.
+    Each joint's agent, and each limit of a joint, is for one column.
     """
-    if values.ndim == 1:
-        return tuple(values.tolist())
     return np.moveaxis(np.moveaxis(values, -1, 0).copy(), 0, -1)
 
 
