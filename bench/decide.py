@@ -19,7 +19,7 @@ from plant.robot import Robot
 from plant.simulator import Simulator
 from plant.urdf import ROBOTS, load
 from studies import no_model
-from studies.crew import PERIOD, Crew
+from studies.agent_team import PERIOD, AgentTeam
 from studies.study import Row, Watch
 
 ROUNDS, TICKS, BATCH = 9, 300, 1000
@@ -105,11 +105,11 @@ def _crew(sees: str, count: int) -> Callable[[], _CrewRun]:
         place = Kinematics(robot).forward(rng.uniform(-1.0, 1.0, (count, robot.n))).tip
         goal = Goal(place, np.zeros_like(place), 0.0, 0.0)
         plant = Simulator(robot, start, period=PERIOD)
-        crew = Crew(robot, seed=1, perception=sees)
+        processes = AgentTeam(robot, seed=1, perception=sees)
         steps = min(STEPS, 400_000 // count)
         begun = time.perf_counter()
         for _ in range(steps):
-            plant.step(crew.commands(plant, goal))
+            plant.step(processes.commands(plant, goal))
         took = time.perf_counter() - begun
         away = np.linalg.norm(plant.hand().position - place, axis=-1)
         before = np.linalg.norm(Kinematics(robot).forward(start).tip - place, axis=-1)

@@ -6,7 +6,7 @@ Run as `python -m bench.eager FILE ROLE RUN`; it lives as `msma agent FILE ROLE 
 import sys
 from pathlib import Path
 
-from runtime.config.deployment import Member, load
+from runtime.config.deployment import ProcessSpec, load
 from runtime.processes.agent_process import AgentLoop
 from runtime.processes.process import Process
 
@@ -15,7 +15,7 @@ def main() -> int:
     """Live as that agent, without a rest."""
     file, role, run = sys.argv[1:]
     deployment = load(file, only_role=role)
-    member = Member(role, deployment.host_of(role))
+    member = ProcessSpec(role, deployment.host_of(role))
     agent = deployment.build_agent(role)
     agent.rest = 0.0
     with Process(deployment, member, Path(file), Path(run)) as process:

@@ -8,9 +8,9 @@ from typing import NamedTuple
 from bench.bench import Bench, Check, Result, Table
 from bench.launched import launched
 from bench.ours import ARPH, deployed
-from runtime.launching.gaps import arrivals, longest
-from runtime.launching.record import Record, read_record
-from runtime.wire.keys import GOAL_SOURCE, PLATFORM_AGENT
+from runtime.results.gaps import arrivals, longest
+from runtime.results.run_log import RunLog, read_run_log
+from runtime.wire.topics import GOAL_SOURCE, PLATFORM_AGENT
 from studies.study import Row, Watch
 
 ROUNDS = 2
@@ -43,10 +43,10 @@ class GapBench(Bench):
     name = "gap"
     title = "The gap in commands after a SIGKILL or SIGSTOP of any one process"
 
-    def __init__(self, rounds: int = ROUNDS, victims: Sequence[str] | None = None) -> None:
+    def __init__(self, rounds: int = ROUNDS, chaos_targets: Sequence[str] | None = None) -> None:
         """Hit each of these processes that often, by default all but the plant."""
         roles = [agent.role for agent in deployed(ARPH).agents]
-        self._rounds, self._victims = rounds, victims or [GOAL_SOURCE, *roles, LAUNCHER]
+        self._rounds, self._victims = rounds, chaos_targets or [GOAL_SOURCE, *roles, LAUNCHER]
 
     def measure(self, size: float, watch: Watch) -> Result:
         """Hit one after the other, every one of them in each round."""
@@ -88,11 +88,11 @@ class GapBench(Bench):
         return (bars(worst, "longest gap in anybody's commands [periods]", folder / "gap.png"),)
 
 
-def _round(blow: str, period: float, victims: Sequence[str]) -> tuple[list[Hit], Record, int]:
+def _round(blow: str, period: float, chaos_targets: Sequence[str]) -> tuple[list[Hit], RunLog, int]:
     """Launch, hit each process in turn, and return what that did, and how many were hit."""
     roles = [agent.role for agent in deployed(ARPH).agents]
-    at = {victim: FIRST + APART * index for index, victim in enumerate(victims)}
-    duration = FIRST + APART * len(victims)
+    at = {victim: FIRST + APART * index for index, victim in enumerate(chaos_targets)}
+    duration = FIRST + APART * len(chaos_targets)
     words = [str(ARPH), "--robot", f"bench-gap-{blow}", "--duration", f"{duration:g} s"]
     for role in roles:
         words += ["--set", f"agents.{role}.copies=2"]
@@ -101,7 +101,7 @@ def _round(blow: str, period: float, victims: Sequence[str]) -> tuple[list[Hit],
         words += [f"--{blow}", f"{victim}@{t:g}{lasting}"]
     with launched(words) as run:
         run.end(duration)
-        record = read_record(run.run)
+        record = read_run_log(run.run)
         done = [line for line in run.log(LAUNCHER) if line.get("action") == blow]
     times = dict(zip((*(r for r in roles if r != PLATFORM_AGENT), PLATFORM_AGENT),
                      arrivals(record, period), strict=True))  # fmt: skip

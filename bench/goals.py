@@ -10,7 +10,7 @@ from agents.agent import Array
 from bench.solvers import SOLVED, solvers
 from plant.kinematics import Kinematics
 from plant.robot import Robot
-from studies.crew import reach
+from studies.agent_team import reach
 
 _STEPS = 400  # of our agents, of 0.1 s, at most
 _ALONE = 25  # of so many goals, our agents solve one by itself

@@ -12,8 +12,8 @@ from typing import Any
 from bench.bench import BenchError
 from bench.echo.side import environment
 from bench.places import free_port
-from runtime.launching.logs import read_log
-from runtime.wire.keys import PLANT
+from runtime.results.logs import read_log
+from runtime.wire.topics import PLANT
 
 _SPARE = 15.0  # [s] that a run may take longer than it should
 _LOOK = 0.02  # [s] between two looks at a log

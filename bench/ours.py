@@ -8,9 +8,9 @@ from bench.echo.side import Measured, run
 from bench.places import free_port
 from runtime.config.deployment import Deployment, load
 from runtime.config.overrides import Override
-from runtime.launching.record import read_record
-from runtime.launching.verdict import SETTLING, errors
-from runtime.wire import keys
+from runtime.results.evaluation import SETTLING, errors
+from runtime.results.run_log import read_run_log
+from runtime.wire import topics
 
 ROOT = Path(__file__).parents[1]
 ARPH = ROOT / "deploy" / "arph.yaml"
@@ -48,14 +48,14 @@ def run_ours(deployment: Deployment, seconds: float, *, eager: bool = False) -> 
         file = folder / "deployment.yaml"
         file.write_text(deployment.dump(), encoding="utf-8")
         said = folder / "said"
-        commands = {keys.PLANT: ["bench.probe", str(file), place, f"{seconds:g}"]}
+        commands = {topics.PLANT: ["bench.probe", str(file), place, f"{seconds:g}"]}
         for role in deployment.roles:
             if eager and role in agents:
                 commands[role] = ["bench.eager", str(file), role, place]
-            elif role != keys.PLANT:
+            elif role != topics.PLANT:
                 commands[role] = ["runtime.cli", "agent", str(file), role, "--run", place]
         measured = run(commands, seconds, errors=said)
-        record = read_record(folder)
+        record = read_run_log(folder)
     assert deployment.goal is not None
     off = errors(record, deployment.goal.build())
     late = record.t >= min(SETTLING, record.t[-1] / 2)

@@ -3,8 +3,8 @@
 import random
 
 from bench.bench import BenchError
-from runtime.launching.finding import is_taken
-from runtime.wire.ports import ALL_BASES, SLOTS
+from runtime.watching.discovery import is_taken
+from runtime.wire.mesh import ALL_BASES, SLOTS
 
 
 def free_port() -> int:

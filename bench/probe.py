@@ -5,13 +5,13 @@ from pathlib import Path
 
 from bench.ticks import Ticks
 from runtime.config.deployment import load
-from runtime.processes.answers import Answers
+from runtime.processes.meters import AnswerTimes
 from runtime.processes.plant_process import PlantLoop
 from runtime.processes.process import Process
-from runtime.wire import keys
+from runtime.wire import topics
 
 
-class Watched(Answers):
+class Watched(AnswerTimes):
     """Notes each tick told and each answer heard, exactly."""
 
     def __init__(self, ticks: Ticks, period: float) -> None:
@@ -34,10 +34,10 @@ def main() -> int:
     parser.add_argument("run", type=Path)
     parser.add_argument("seconds", type=float)
     args = parser.parse_args()
-    deployment = load(args.file, only_role=keys.PLANT)
+    deployment = load(args.file, only_role=topics.PLANT)
     period = deployment.period
     ticks = Ticks([agent.role for agent in deployment.agents], period, args.seconds)
-    with Process(deployment, deployment.crew[0], args.file, args.run) as process:
+    with Process(deployment, deployment.processes[0], args.file, args.run) as process:
         return process.live(PlantLoop(process, Watched(ticks, period)))
 
 

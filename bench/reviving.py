@@ -12,7 +12,7 @@ import sys  # noqa: E402
 from pathlib import Path  # noqa: E402
 
 from agents.agent import Agent, Array, Percepts  # noqa: E402
-from runtime.config.deployment import Member, load  # noqa: E402
+from runtime.config.deployment import ProcessSpec, load  # noqa: E402
 from runtime.processes.agent_process import AgentLoop  # noqa: E402
 from runtime.processes.process import Process  # noqa: E402
 
@@ -34,7 +34,7 @@ class Noting(Agent):
         if self._times:
             self._times["percept"] = time.time()
             wanted = self._agent.decide(percepts)
-            self._process.journal.write(percepts.t, PARTS, **self._times, decided=time.time())
+            self._process.log.write(percepts.t, PARTS, **self._times, decided=time.time())
             self._times.clear()
             return wanted
         return self._agent.decide(percepts)
@@ -45,7 +45,7 @@ def main() -> int:
     file, role, run = sys.argv[1:]
     times = {"began": began, "imported": imported}
     deployment = load(file, only_role=role)
-    member = Member(role, deployment.host_of(role))
+    member = ProcessSpec(role, deployment.host_of(role))
     agent = deployment.build_agent(role)
     times["read"] = time.time()
     with Process(deployment, member, Path(file), Path(run)) as process:

@@ -15,11 +15,11 @@ from bench.launched import Launched, launched
 from bench.ticks import quantile
 from bench.usage import Meter, Usage
 from runtime.config.deployment import load
-from runtime.launching.gaps import arrivals
-from runtime.launching.logs import read_log
-from runtime.launching.record import read_record
-from runtime.launching.verdict import errors
-from runtime.wire.keys import PLANT
+from runtime.results.evaluation import errors
+from runtime.results.gaps import arrivals
+from runtime.results.logs import read_log
+from runtime.results.run_log import read_run_log
+from runtime.wire.topics import PLANT
 from studies.study import Row, Watch
 
 SIZES = (4, 8, 16, 32, 64)
@@ -127,7 +127,7 @@ def _grow(joints: int, side: str, seconds: float) -> Grown:
             usage = meter.usage() if meter else {}
             links = _links(run) if meter else 0
             time.sleep(0.6)  # the plant writes its log twice a second
-            record = read_record(run.run)
+            record = read_run_log(run.run)
             deployment = load(run.run / "deployment.yaml")
     first, last = record.t_at(begun), record.t_at(ended)
     told = arrivals(record, PERIOD)

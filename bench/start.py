@@ -18,10 +18,10 @@ from bench.echo.side import environment
 from bench.launched import Launched, launched
 from bench.ours import ARPH, deployed
 from bench.reviving import PARTS
-from runtime.launching.logs import read_log
-from runtime.launching.record import read_record
-from runtime.launching.starting import Child, Task, spawn
-from runtime.wire.keys import PLANT
+from runtime.results.logs import read_log
+from runtime.results.run_log import read_run_log
+from runtime.spawning.tasks import ChildProcess, Task, spawn
+from runtime.wire.topics import PLANT
 from studies.study import Row, Watch
 
 LAUNCHES, REVIVALS = 5, 4
@@ -105,7 +105,7 @@ def _launch(number: int) -> Times:
         roles = deployed(ARPH).roles
         joined = [read_log(run.run, role, "start")[0]["wall"] for role in roles]
         first = {line["role"]: line["wall"] for line in reversed(read_log(run.run, PLANT, "obeys"))}
-        record = read_record(run.run)
+        record = read_run_log(run.run)
     moving = np.flatnonzero(np.abs(np.diff(record.q, axis=0)).max(axis=1) > 0)
     if len(first) < len(roles) - 2 or not len(moving):
         raise BenchError(f"after {SHORT:g} s only {', '.join(first) or 'nobody'} was obeyed")
@@ -163,7 +163,7 @@ def _command(*words: str) -> None:
         raise BenchError(f"msma {' '.join(words)}: {done.stderr.strip()}")
 
 
-def _end(child: Child) -> None:
+def _end(child: ChildProcess) -> None:
     if child.poll() is None:
         os.kill(child.pid, signal.SIGKILL)
     while child.poll() is None:

@@ -65,8 +65,8 @@ def single_cases(ticks: int) -> dict[str, Case]:
     planar = load("planar5")
     path = Goal(np.array([0.37, 0.44, 0.0]), np.array([0.02, -0.02, 0.0]), 0.0, 1e6)
     plant = Simulator(planar, np.radians([-30.0, 40.0, 40.0, 40.0, 40.0]), period=0.02)
-    crew = {f"joint/{i + 1}": _joint(planar, i, "auto") for i in range(5)}
-    seen = _run(plant, crew, lambda _: path, ticks).seen
+    processes = {f"joint/{i + 1}": _joint(planar, i, "auto") for i in range(5)}
+    seen = _run(plant, processes, lambda _: path, ticks).seen
     for sees in ("blackboard", "auto", "localiser"):
         cases[f"joint/2 of planar five, {sees}"] = Case(partial(_joint, planar, 1, sees), seen)
     return cases

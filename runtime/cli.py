@@ -10,7 +10,7 @@ from importlib.util import find_spec
 import runtime.verbs
 from plant.errors import MsmaError
 from runtime.config.spelling import valid_are
-from runtime.launching.failures import RunError
+from runtime.errors import RunError
 
 _GROUP = "msma.verbs"
 

@@ -11,7 +11,7 @@ from agents.agent import Array
 from plant.faults import Fault
 from plant.robot import Robot
 from plant.urdf import load
-from studies.crew import NEAR, Reached, reach
+from studies.agent_team import NEAR, Reached, reach
 from studies.reachable import Ring, anywhere, flat, grid, ring
 from studies.study import Claim, Findings, Row, Study, Watch, share
 

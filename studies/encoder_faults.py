@@ -10,7 +10,7 @@ from agents.agent import Array
 from plant.faults import Fault
 from plant.robot import Robot
 from plant.urdf import load
-from studies.crew import NEAR, reach
+from studies.agent_team import NEAR, reach
 from studies.reachable import anywhere
 from studies.study import Claim, Findings, Row, Study, Watch, share
 

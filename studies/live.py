@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from plant.errors import MsmaError
-from runtime.launching.record import Record, read_record
-from runtime.launching.summary import MISSED
-from runtime.processes.ending import FAILED, OK
+from runtime.processes.lifetime import FAILED, OK
+from runtime.results.run_log import RunLog, read_run_log
+from runtime.results.summary import MISSED
 
 ROOT = Path(__file__).parent.parent
 MAIN = "import sys; from runtime.cli import main; sys.exit(main(sys.argv[1:]))"
@@ -22,7 +22,7 @@ class LiveError(MsmaError, RuntimeError):
     """A launch that came to nothing; it says what the launcher said."""
 
 
-def launch(deployment: Path, robot: str, options: Sequence[str]) -> Record:
+def launch(deployment: Path, robot: str, options: Sequence[str]) -> RunLog:
     """Launch a deployment under the name `robot`, wait for its end, and return what happened.
 
     options: of `msma launch`, such as `--speed 4`. Nothing is kept of the run.
@@ -44,4 +44,4 @@ def launch(deployment: Path, robot: str, options: Sequence[str]) -> Record:
         runs = sorted(Path(place, "runs").glob(f"{robot}-*"))
         if not runs:
             raise LiveError(f"{deployment} left no run: {done.stderr.strip() or done.stdout}")
-        return read_record(runs[-1])
+        return read_run_log(runs[-1])

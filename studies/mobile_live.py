@@ -9,7 +9,7 @@ import numpy as np
 
 from agents.agent import Array
 from plant.faults import Fault
-from runtime.launching.record import Record
+from runtime.results.run_log import RunLog
 from studies.fault_cells import MID, TOLERANCE, oracle, single_locks
 from studies.live import ROOT, launch
 from studies.lockstep import Event, Trace, run
@@ -47,7 +47,7 @@ class LiveFound(Findings):
 
     cases: tuple[Case, ...]
     traces: tuple[Trace, ...]
-    records: tuple[Record, ...]
+    records: tuple[RunLog, ...]
 
 
 class MobileLive(Study[LiveFound]):

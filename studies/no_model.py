@@ -10,7 +10,7 @@ from plant.faults import Fault
 from plant.kinematics import Kinematics
 from plant.robot import Robot
 from plant.urdf import load
-from studies.crew import IN_STEP, Meeting, Reached, reach
+from studies.agent_team import IN_STEP, Meeting, Reached, reach
 from studies.study import Claim, Findings, Row, Study, Watch, share
 
 STEPS = 2000

@@ -38,7 +38,7 @@ class Case(NamedTuple):
     q: Array
 
 
-class Course(NamedTuple):
+class RunOutcome(NamedTuple):
     """All cases at one period.
 
     Attributes:
@@ -67,7 +67,7 @@ class FaultsFound(Findings):
     """What the study found."""
 
     cases: tuple[Case, ...]
-    courses: tuple[Course, ...]
+    courses: tuple[RunOutcome, ...]
 
 
 def cases() -> tuple[Case, ...]:
@@ -86,7 +86,7 @@ def cases() -> tuple[Case, ...]:
     return tuple(found)
 
 
-def course(which: tuple[Case, ...], period: float, duration: float = DURATION) -> Course:
+def course(which: tuple[Case, ...], period: float, duration: float = DURATION) -> RunOutcome:
     """Run all cases at once."""
     each = BatchFaults.none(ARPH, len(which))
     q = np.stack([case.q for case in which])
@@ -102,7 +102,7 @@ def course(which: tuple[Case, ...], period: float, duration: float = DURATION) -
     least = np.where(settled, bent, np.inf).min(axis=0)
     off = heading_to_arm(Kinematics(ARPH), trace.q[-1], trace.base[-1])
     thinned = Trace(*(column[::every] for column in trace))
-    return Course(
+    return RunOutcome(
         period,
         thinned,
         within.time,
@@ -172,7 +172,7 @@ def _possible(which: tuple[Case, ...]) -> Array:
     return np.array(answer)
 
 
-def _rows(which: tuple[Case, ...], courses: list[Course], possible: Array) -> tuple[Row, ...]:
+def _rows(which: tuple[Case, ...], courses: list[RunOutcome], possible: Array) -> tuple[Row, ...]:
     rows = []
     for each in courses:
         bound, label = BOUNDS[each.period], f"{1e3 * each.period:g} ms"
@@ -207,7 +207,7 @@ def _rows(which: tuple[Case, ...], courses: list[Course], possible: Array) -> tu
     return tuple(rows)
 
 
-def _claims(which: tuple[Case, ...], each: Course) -> tuple[Claim, ...]:
+def _claims(which: tuple[Case, ...], each: RunOutcome) -> tuple[Claim, ...]:
     elbows = ", ".join(f"{np.degrees(value):.0f}" for value in each.elbow[1:, 1])
     off = ", ".join(f"{np.degrees(value):.0f}" for value in each.lined_up[1:])
     done = int((each.worst <= BOUNDS[each.period]).sum())

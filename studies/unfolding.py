@@ -10,7 +10,7 @@ from agents.joint import JointAgent
 from plant.simulator import Simulator
 from plant.urdf import load
 from studies import md
-from studies.crew import PERIOD
+from studies.agent_team import PERIOD
 from studies.lockstep import run
 from studies.measures import (
     Motion,

@@ -11,7 +11,7 @@ from plant.faults import Fault
 from plant.kinematics import Kinematics
 from plant.robot import Robot
 from plant.urdf import load
-from studies.crew import NEAR, PERIOD, reach
+from studies.agent_team import NEAR, PERIOD, reach
 from studies.reachable import Ring, anywhere
 from studies.study import Claim, Findings, Row, Study, Watch, share
 

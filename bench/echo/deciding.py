@@ -14,10 +14,9 @@ from agents.agent import Agent, Array, Percepts
 from bench.echo.load import AGENTS, GOAL, ROLES, part_of
 from bench.echo.plain_zenoh import be, nothing
 from bench.thinking import ArmRun, arm_run
-from runtime.processes.cadence import Cadence, apart
-from runtime.wire.keys import PLANT
+from runtime.processes.timing import Cadence, apart
 from runtime.wire.messages import (
-    HandPose,
+    EndEffectorPose,
     JointCommand,
     JointStates,
     Message,
@@ -26,6 +25,7 @@ from runtime.wire.messages import (
     pack,
     unpack,
 )
+from runtime.wire.topics import PLANT
 
 _RECORDED = 200  # ticks
 _UPRIGHT = (0.0, 0.0, 0.0, 1.0)
@@ -112,7 +112,7 @@ def _states(percepts: Percepts) -> tuple[Message, ...]:
     assert base is not None
     return (
         PlatformPose(t, *base.tolist()),
-        HandPose(t, tuple(hand.tolist()), _UPRIGHT),
+        EndEffectorPose(t, tuple(hand.tolist()), _UPRIGHT),
         JointStates(t, tuple(joints.position.tolist()), tuple(joints.velocity.tolist())),
     )
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from bench.bench import BenchError
-from bench.echo.nursery import BORN
+from bench.echo.forkserver import BORN
 from bench.ticks import DONE, GO, PATIENCE, SETTLE
 from bench.usage import Meter, Usage, lives
 
@@ -83,24 +83,24 @@ def run(
     """
     began = time.monotonic()
     with (errors or Path(os.devnull)).open("ab") as ears, ExitStack() as stack:
-        nursery = subprocess.Popen(
-            module("bench.echo.nursery"),
+        forkserver = subprocess.Popen(
+            module("bench.echo.forkserver"),
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=ears,
             env=environment(),
         )
-        stack.enter_context(nursery)
-        assert nursery.stdin is not None
-        assert nursery.stdout is not None
-        nursery.stdin.write(json.dumps([*commands.values()]).encode() + b"\n")
-        nursery.stdin.flush()
-        born = await_event(nursery.stdout, BORN, SPARE)["pids"]
+        stack.enter_context(forkserver)
+        assert forkserver.stdin is not None
+        assert forkserver.stdout is not None
+        forkserver.stdin.write(json.dumps([*commands.values()]).encode() + b"\n")
+        forkserver.stdin.flush()
+        born = await_event(forkserver.stdout, BORN, SPARE)["pids"]
         pids = dict(zip(commands, born, strict=True))
-        await_event(nursery.stdout, GO, PATIENCE + SPARE)
+        await_event(forkserver.stdout, GO, PATIENCE + SPARE)
         ready = time.monotonic() - began - SETTLE
         meter = Meter(pids)
-        done = await_event(nursery.stdout, DONE, 1.5 * seconds + SPARE)
+        done = await_event(forkserver.stdout, DONE, 1.5 * seconds + SPARE)
         for role, pid in pids.items():
             if not lives(pid):
                 raise BenchError(f"{role} ended while it was measured: {commands[role]}")

@@ -13,9 +13,9 @@ from bench.bench import Bench, BenchError, Check, Result
 from bench.echo.side import Measured
 from bench.loop import OURS, PLAIN, run_plain
 from bench.others.blows import PERIOD, Struck, strike
-from bench.others.crew import Crew
 from bench.others.environments import environment
 from bench.others.our_blows import strike_ours
+from bench.others.processes import ProcessGroup
 from bench.others.systems import SYSTEMS, System
 from bench.others.tables import answers_table, blows_table, costs_table, notes, ready_table
 from bench.ours import ARPH, deployed, run_ours
@@ -187,9 +187,9 @@ def _say(text: str) -> None:
 
 
 def _run(system: System, python: Path, rate: float, seconds: float) -> Measured:
-    with Crew(python, system.side, rate, seconds) as crew:
-        system.start(crew)
-        return crew.measured()
+    with ProcessGroup(python, system.side, rate, seconds) as processes:
+        system.start(processes)
+        return processes.measured()
 
 
 def _deployment(rate: int) -> Any:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from bench.bench import BenchError
-from bench.others.crew import Crew
+from bench.others.processes import ProcessGroup
 from bench.others.systems import System
 from bench.others.watching import Gap, gap, worst
 
@@ -47,17 +47,17 @@ def judged(
 def strike(system: System, python: Path) -> list[Struck]:
     """Start a system at 60 ms, deal it its blows, and return what each did."""
     times = []
-    with Crew(python, system.side, 1 / PERIOD, None) as crew:
-        system.start(crew)
-        crew.wait_for_all()
+    with ProcessGroup(python, system.side, 1 / PERIOD, None) as processes:
+        system.start(processes)
+        processes.wait_for_all()
         for blow in system.blows():
             time.sleep(CALM)
             since = time.monotonic()
             with suppress(BenchError, OSError):  # what does not start again is seen by the gap
-                blow.strike(crew)
+                blow.strike(processes)
             until = since + blow.seconds
             time.sleep(max(until - time.monotonic(), 0.0))
             times.append((blow, since, until))
         time.sleep(CALM)
-        arrivals = crew.arrivals()
+        arrivals = processes.arrivals()
     return [judged(blow.what, blow.role, arrivals, *when) for blow, *when in times]

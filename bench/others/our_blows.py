@@ -6,8 +6,8 @@ from bench.launched import Launched, launched
 from bench.others.blows import PERIOD, Struck, judged
 from bench.others.systems import VICTIM
 from bench.ours import ARPH
-from runtime.launching.gaps import arrivals
-from runtime.launching.record import RecordError, read_record
+from runtime.results.gaps import arrivals
+from runtime.results.run_log import RunLogError, read_run_log
 
 _AT = (2.0, 4.5, 7.0)  # [s, plant time] of the blows
 _WATCHED = 2.0  # [s]
@@ -36,8 +36,8 @@ def strike_ours() -> list[Struck]:
 
 def _judge(run: Launched) -> list[Struck]:
     try:
-        found = arrivals(read_record(run.run), PERIOD)
-    except RecordError as error:
+        found = arrivals(read_run_log(run.run), PERIOD)
+    except RunLogError as error:
         raise BenchError(f"a run of ours left nothing to look at: {error}") from error
     obeyed = {role: times.tolist() for role, times in zip(AGENTS, found, strict=True)}
     kills = [line["t"] for line in run.log("launcher") if line.get("action") == "kill"]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from bench.echo.load import AGENTS, GOAL, ROLES, STATES
-from bench.others.crew import Crew, await_port, free_port
+from bench.others.processes import ProcessGroup, await_port, free_port
 
 VICTIM = "joint/2"
 """The agent that is killed."""
@@ -25,7 +25,7 @@ class Blow:
     """
 
     what: str
-    strike: Callable[[Crew], None]
+    strike: Callable[[ProcessGroup], None]
     role: str | None
     seconds: float
 
@@ -44,7 +44,7 @@ class System(ABC):
     requirements: ClassVar[tuple[str, ...]]
 
     @abstractmethod
-    def start(self, crew: Crew) -> None:
+    def start(self, processes: ProcessGroup) -> None:
         """Start all its processes."""
 
     def blows(self) -> tuple[Blow, ...]:
@@ -58,10 +58,10 @@ class PyZmq(System):
     name, side = "pyzmq", "bench.others.sides.pyzmq"
     requirements = ("pyzmq==27.3.0",)
 
-    def start(self, crew: Crew) -> None:
+    def start(self, processes: ProcessGroup) -> None:
         """Start the roles; whoever binds may come later than who connects."""
         for role in ROLES:
-            crew.play(role)
+            processes.play(role)
 
 
 class Cyclone(System):
@@ -81,12 +81,12 @@ class Cyclone(System):
         "</Domain></CycloneDDS>"
     )
 
-    def start(self, crew: Crew) -> None:
+    def start(self, processes: ProcessGroup) -> None:
         """Start the roles, in a domain of their own."""
-        crew.env["CYCLONEDDS_URI"] = self.CONFIGURATION
-        crew.port = 1 + os.getpid() % 200
+        processes.env["CYCLONEDDS_URI"] = self.CONFIGURATION
+        processes.port = 1 + os.getpid() % 200
         for role in ROLES:
-            crew.play(role)
+            processes.play(role)
 
 
 class Dora(System):
@@ -95,26 +95,26 @@ class Dora(System):
     name, side = "dora-rs", "bench.others.sides.dora"
     requirements = ("dora-rs==1.1.0", "dora-rs-cli==1.1.0")
 
-    def start(self, crew: Crew) -> None:
+    def start(self, processes: ProcessGroup) -> None:
         """Start coordinator, daemon and dataflow, as `dora up` and `dora start` do."""
-        crew.env["HOME"] = str(crew.place)  # where it keeps its state
-        crew.env["DORA_COORDINATOR_PORT"] = str(crew.port)
-        (crew.place / "dataflow.yml").write_text(dataflow(crew), encoding="utf-8")
-        self._coordinate(crew)
-        self._serve_daemon(crew)
-        crew.call([self._dora(crew), "start", "dataflow.yml", "--detach"])
+        processes.env["HOME"] = str(processes.place)  # where it keeps its state
+        processes.env["DORA_COORDINATOR_PORT"] = str(processes.port)
+        (processes.place / "dataflow.yml").write_text(dataflow(processes), encoding="utf-8")
+        self._coordinate(processes)
+        self._serve_daemon(processes)
+        processes.call([self._dora(processes), "start", "dataflow.yml", "--detach"])
 
     def blows(self) -> tuple[Blow, ...]:
         """Of its guide to fault tolerance: `restart_policy`, and a coordinator with a store."""
 
-        def coordinator(crew: Crew) -> None:
-            crew.kill("coordinator")
-            self._coordinate(crew)
+        def coordinator(processes: ProcessGroup) -> None:
+            processes.kill("coordinator")
+            self._coordinate(processes)
 
-        def daemon(crew: Crew) -> None:
-            crew.kill("daemon")
-            self._serve_daemon(crew)
-            crew.call([self._dora(crew), "start", "dataflow.yml", "--detach"])
+        def daemon(processes: ProcessGroup) -> None:
+            processes.kill("daemon")
+            self._serve_daemon(processes)
+            processes.call([self._dora(processes), "start", "dataflow.yml", "--detach"])
 
         return (
             Blow("a node; `restart_policy: on-failure`", lambda c: c.kill(VICTIM), VICTIM, 3.0),
@@ -123,17 +123,17 @@ class Dora(System):
         )
 
     @staticmethod
-    def _dora(crew: Crew) -> str:
-        return str(crew.python.with_name("dora"))
+    def _dora(processes: ProcessGroup) -> str:
+        return str(processes.python.with_name("dora"))
 
-    def _coordinate(self, crew: Crew) -> None:
-        store = f"redb:{crew.place}/coordinator.redb"
-        crew.serve("coordinator", [self._dora(crew), "coordinator", "--store", store])
-        await_port(crew.port)
+    def _coordinate(self, processes: ProcessGroup) -> None:
+        store = f"redb:{processes.place}/coordinator.redb"
+        processes.serve("coordinator", [self._dora(processes), "coordinator", "--store", store])
+        await_port(processes.port)
 
-    def _serve_daemon(self, crew: Crew) -> None:
+    def _serve_daemon(self, processes: ProcessGroup) -> None:
         port = ("--local-listen-port", str(free_port()))
-        crew.serve("daemon", [self._dora(crew), "daemon", *port, "--zenoh-no-multicast"])
+        processes.serve("daemon", [self._dora(processes), "daemon", *port, "--zenoh-no-multicast"])
 
 
 class Spade(System):
@@ -143,22 +143,22 @@ class Spade(System):
     # its database library does not say that it needs greenlet
     requirements = ("spade==4.1.4", "greenlet")
 
-    def start(self, crew: Crew) -> None:
+    def start(self, processes: ProcessGroup) -> None:
         """Start the server, then all agents."""
-        self._serve(crew)
+        self._serve(processes)
         for role in ROLES:
-            crew.play(role)
+            processes.play(role)
 
     def blows(self) -> tuple[Blow, ...]:
         """Nothing of its own starts anything again, so this bench does, at once."""
 
-        def agent(crew: Crew) -> None:
-            crew.kill(VICTIM)
-            crew.play(VICTIM)
+        def agent(processes: ProcessGroup) -> None:
+            processes.kill(VICTIM)
+            processes.play(VICTIM)
 
-        def server(crew: Crew) -> None:
-            crew.kill_all_of("server")
-            self._serve(crew)
+        def server(processes: ProcessGroup) -> None:
+            processes.kill_all_of("server")
+            self._serve(processes)
 
         return (
             Blow("an agent; started again at once by the bench", agent, VICTIM, 5.0),
@@ -168,23 +168,23 @@ class Spade(System):
         )
 
     @staticmethod
-    def _serve(crew: Crew) -> None:
-        ports = ("--client_port", str(crew.port), "--server_port", str(free_port()))
-        store = ("--db", str(crew.place / "server.db"))  # so that it knows its agents again
-        command = [str(crew.python.with_name("spade")), "run", "--host", "localhost"]
-        crew.serve("server", [*command, *ports, *store])
-        await_port(crew.port)
+    def _serve(processes: ProcessGroup) -> None:
+        ports = ("--client_port", str(processes.port), "--server_port", str(free_port()))
+        store = ("--db", str(processes.place / "server.db"))  # so that it knows its agents again
+        command = [str(processes.python.with_name("spade")), "run", "--host", "localhost"]
+        processes.serve("server", [*command, *ports, *store])
+        await_port(processes.port)
 
 
 SYSTEMS: tuple[System, ...] = (PyZmq(), Cyclone(), Dora(), Spade())
 
 
-def dataflow(crew: Crew) -> str:
+def dataflow(processes: ProcessGroup) -> str:
     """Return the nodes and who hears whom as dora's YAML: of each input only the newest."""
     states = [f"plant/{_plain(state)}" for state in STATES]
     lines = ["nodes:"]
     for role in ROLES:
-        script, *words = crew.words(role)
+        script, *words = processes.words(role)
         outputs, inputs = ["command"], [*states, "goal/goal"]
         if role == "plant":
             outputs, inputs = [_plain(state) for state in STATES], []

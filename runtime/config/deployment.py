@@ -12,22 +12,21 @@ from agents.agent import Agent
 from runtime.config.chaos import LAUNCHER, WATCHER, ChaosEvent
 from runtime.config.hosts import HostName, HostSpec, Router, here_alone
 from runtime.config.kinds import Output, Pattern, Range, Scope
-from runtime.config.lots import RandomChaos
 from runtime.config.overrides import Override
+from runtime.config.random_chaos import RandomChaos
 from runtime.config.reading import Derived, kind_of
 from runtime.config.security import SecuritySpec
 from runtime.config.specs import AgentSpec, Description, GoalSpec, PlantSpec, Start
 from runtime.config.spelling import valid_are
 from runtime.config.tree import ConfigError, Node, read_file
-from runtime.wire.mesh import Mesh
-from runtime.wire.ports import FIRST_COPY, SLOTS, port_base
+from runtime.wire.mesh import FIRST_COPY, SLOTS, Mesh, port_base
 from runtime.wire.security import Credentials
 
 Name = Annotated[str, Pattern("[A-Za-z0-9][A-Za-z0-9_-]{0,63}", "a robot's name", "arph")]
 Port = Annotated[int, Range(such_as="7600", least=1024, most=65536 - SLOTS)]
 
 
-class Member(NamedTuple):
+class ProcessSpec(NamedTuple):
     """A process of a deployment: its role, its host, and whether it is a copy of another."""
 
     role: str
@@ -92,7 +91,7 @@ class Deployment:
         return ("plant", *goal, *(agent.role for agent in self.agents))
 
     @property
-    def victims(self) -> tuple[str, ...]:
+    def chaos_targets(self) -> tuple[str, ...]:
         """All processes that chaos may hit without hitting the robot itself."""
         return (*self.roles[1:], LAUNCHER, WATCHER)
 
@@ -111,23 +110,23 @@ class Deployment:
         return self.agent(role).host[0]
 
     @property
-    def crew(self) -> tuple[Member, ...]:
+    def processes(self) -> tuple[ProcessSpec, ...]:
         """All processes that there are: one of each role, and then the copies."""
-        first = [Member(role, self.host_of(role)) for role in self.roles]
+        first = [ProcessSpec(role, self.host_of(role)) for role in self.roles]
         hosts = list(self.hosts)
         copies = []
         for agent in self.agents:
             home = hosts.index(agent.host[0])
             homes = agent.host if len(agent.host) > 1 else (*hosts[home:], *hosts[:home])
             copies += [
-                Member(agent.role, homes[number % len(homes)], copy=True)
+                ProcessSpec(agent.role, homes[number % len(homes)], copy=True)
                 for number in range(1, agent.copies)
             ]
         return (*first, *copies)
 
     def check_share(self, host: str) -> None:
         """Raise `ConfigError` if nothing of this runs on that host."""
-        busy = dict.fromkeys(one.host for one in self.crew)
+        busy = dict.fromkeys(one.host for one in self.processes)
         if host not in busy:
             raise ConfigError(f"nothing runs on a host {host!r}{valid_are(host, busy)}")
 
@@ -172,14 +171,14 @@ class Deployment:
         if self.routers and self.security:
             what = "a router stands between those who check each other's certificates"
             raise node.find("routers").error(f"{what}; leave out this or `security`")
-        copies = len(self.crew) - len(self.roles)
+        copies = len(self.processes) - len(self.roles)
         if copies > SLOTS - FIRST_COPY:
             what = f"{copies} copies of agents, of {SLOTS - FIRST_COPY} at most"
             raise node.find("agents").error(what)
         for index, event in enumerate(self.chaos):
             self._check_target(event, node.find("chaos", index, event.action))
         for index, role in enumerate(self.random_chaos.roles if self.random_chaos else ()):
-            self._check_role(role, self.victims, node.find("random_chaos", "roles", index))
+            self._check_role(role, self.chaos_targets, node.find("random_chaos", "roles", index))
 
     def _check_target(self, event: ChaosEvent, node: Node) -> None:
         """Refuse chaos for who is not there."""
@@ -199,7 +198,7 @@ class Deployment:
         """Return it with the random chaos drawn, as a part of the rest."""
         if self.random_chaos is None or self.duration is None:
             return self
-        events = self.random_chaos.draw(self.victims, self.duration)
+        events = self.random_chaos.draw(self.chaos_targets, self.duration)
         return replace(self, chaos=(*self.chaos, *events), random_chaos=None)
 
     def dump(self) -> str:

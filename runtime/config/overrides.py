@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import NamedTuple
 
-from runtime.config.tree import ConfigError, Node, Place, parse
+from runtime.config.tree import ConfigError, Location, Node, parse
 
 
 class Override(NamedTuple):
@@ -20,7 +20,7 @@ class Override(NamedTuple):
 
     def apply(self, root: Node) -> None:
         """Put the value into the tree; what is missing on the way to it is made."""
-        place = Place(self.source, Path.cwd())
+        place = Location(self.source, Path.cwd())
         node, names = root, self.path.split(".")
         if not all(names):
             raise ConfigError(f"{place}: {self.path!r} is no path, such as goal.velocity")

@@ -22,7 +22,7 @@ class ConfigError(MsmaError, ValueError):
     """A value in a deployment that cannot be used: where it stands, and what would be valid."""
 
 
-class Place(NamedTuple):
+class Location(NamedTuple):
     """Where a value was written, for messages: a place in a file, or a command-line option.
 
     source: the file's name, or the option as it was given
@@ -43,11 +43,11 @@ class Place(NamedTuple):
 class Node:
     """A value, a list or a mapping as it was written; None is a value left empty, or null."""
 
-    place: Place
+    place: Location
     value: "str | list[Node] | dict[str, Node] | None"
     name: str = ""
     parent: "Node | None" = field(default=None, repr=False)
-    key: Place | None = None  # where its key was written, if it has one
+    key: Location | None = None  # where its key was written, if it has one
 
     @property
     def path(self) -> str:
@@ -80,7 +80,7 @@ class Node:
             return {str(index): node for index, node in enumerate(self.value)}
         return self.value if isinstance(self.value, dict) else {}
 
-    def error(self, message: str, place: Place | None = None) -> ConfigError:
+    def error(self, message: str, place: Location | None = None) -> ConfigError:
         """Say in one line what is wrong with this value, or with what stands at `place` in it."""
         parts = str(place or self.place), self.path, " ".join(message.splitlines())
         return ConfigError(": ".join(filter(None, parts)))
@@ -131,10 +131,10 @@ def read_file(file: str | os.PathLike[str]) -> Node:
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
         raise ConfigError(f"{source}:{line}: is not text in UTF-8; save it as UTF-8") from None
-    return parse(text, Place(source, Path(os.path.abspath(source)).parent, 1, 1))
+    return parse(text, Location(source, Path(os.path.abspath(source)).parent, 1, 1))
 
 
-def parse(text: str, start: Place) -> Node:
+def parse(text: str, start: Location) -> Node:
     """Turn YAML into a tree; aliases and merge keys are written out, tags are refused.
 
     The nodes count their lines and columns from `start`, or have just its place if it has no line.
@@ -162,7 +162,7 @@ def parse(text: str, start: Place) -> Node:
 class _Builder:
     """Makes the tree from the parser's events, so that no file makes it deep or large."""
 
-    def __init__(self, text: str, start: Place) -> None:
+    def __init__(self, text: str, start: Location) -> None:
         self.events: Iterator[Any] = iter(yaml.parse(text, Loader=_LOADER))
         self.start = start
         self.anchors: dict[str, Node] = {}
@@ -179,7 +179,7 @@ class _Builder:
             raise ConfigError(f"{self.place(after)}: a second document; one a file is wanted")
         return root
 
-    def place(self, event: Any) -> Place:
+    def place(self, event: Any) -> Location:
         if not self.start.line:
             return self.start
         mark = event.start_mark
@@ -240,7 +240,7 @@ class _Builder:
                 copy.put("+" if isinstance(copy.value, list) else name, self.copy(child, depth + 1))
         return copy
 
-    def spend(self, nodes: int, depth: int, place: Place) -> None:
+    def spend(self, nodes: int, depth: int, place: Location) -> None:
         self.count += nodes
         if depth > _DEEPEST:
             raise ConfigError(f"{place}: is nested deeper than {_DEEPEST} levels")

@@ -10,26 +10,25 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
+from runtime.chaos.injector import FaultInjector, Network, check_means
+from runtime.chaos.schedule import ALL_MEANS, FORCE, Escalation, Means, Schedule
+from runtime.chaos.successor import start_successor
 from runtime.config.chaos import ChaosEvent
 from runtime.config.deployment import Deployment
-from runtime.launching.children import Children, Crew, Ended
-from runtime.launching.failures import RunError
-from runtime.launching.havoc import Havoc, Network, check_means
-from runtime.launching.heir import bequeath
-from runtime.launching.schedule import ALL_MEANS, FORCE, Escalation, Means, Schedule
-from runtime.launching.trial import prove_all
-from runtime.launching.watcher import View, Watcher
-from runtime.processes.ending import Ending
-from runtime.processes.journal import Journal, new_run_folder
-from runtime.processes.life import Life
+from runtime.errors import RunError
+from runtime.processes.lifetime import Lifetime, Shutdown
+from runtime.processes.log_writer import LogWriter, new_run_folder
+from runtime.spawning.local import LocalProcesses, ProcessExit, ProcessGroup
+from runtime.tls.verification import verify_all
+from runtime.watching.watcher import View, Watcher
 from runtime.wire.bus import Bus
-from runtime.wire.keys import PLANT
 from runtime.wire.refusals import Refusals
 from runtime.wire.security import OPERATOR
-from runtime.wire.strangers import Strangers
+from runtime.wire.topics import PLANT
+from runtime.wire.zenoh_internals.connection_log import ConnectionLog
 
 if TYPE_CHECKING:
-    from runtime.launching.screen import (
+    from runtime.watching.screen import (
         Screen,  # imports rich: not before the processes are started
     )
 
@@ -39,27 +38,27 @@ _AMPLE = 2.0  # [s] for processes to end by themselves when the run is over
 _ANSWER = 0.5  # [s] to wait for the answer to a request
 
 
-class Happening(NamedTuple):
+class RunEvent(NamedTuple):
     """Something that happened at plant time `t` [s]."""
 
     t: float
     text: str
 
 
-class Course(NamedTuple):
+class RunOutcome(NamedTuple):
     """How a run went, as the launcher saw it.
 
     code: 130 if it was interrupted, else 0
     reason: why it ended
     view: what was to be seen last of the processes, while they lived
-    happenings: what nobody else logs: how processes ended, and what was tried in vain
+    events: what nobody else logs: how processes ended, and what was tried in vain
     host: whose share alone was started, None if all was
     """
 
     code: int
     reason: str
     view: View
-    happenings: tuple[Happening, ...]
+    events: tuple[RunEvent, ...]
     host: str | None = None
 
 
@@ -73,7 +72,7 @@ def prepare(
     Raises `ConfigError` for chaos that nothing here can carry out, and for keys that are not good.
     """
     check_means(deployment, network)
-    prove_all(deployment, host)
+    verify_all(deployment, host)
     try:
         run = new_run_folder(deployment.runs, deployment.robot).absolute()
         (run / "deployment.yaml").write_text(deployment.dump(), encoding="utf-8")
@@ -88,7 +87,7 @@ class Launcher:
 
     make_screen: called once the processes are started, for what it imports takes time
     network: what carries out chaos between hosts, None if nothing can
-    crew: what starts and ends processes, by default on this machine
+    processes: what starts and ends processes, by default on this machine
     host: whose share it starts, by default all: the rest is somebody else's
     """
 
@@ -98,26 +97,26 @@ class Launcher:
         run: Path,
         make_screen: "Callable[[], Screen]",
         network: Network | None = None,
-        crew: Crew | None = None,
+        processes: ProcessGroup | None = None,
         host: str | None = None,
     ) -> None:
         self._deployment = deployment
         self._host = host
-        self._members = [one for one in deployment.crew if host in (None, one.host)]
+        self._members = [one for one in deployment.processes if host in (None, one.host)]
         self._roles = {one.role for one in self._members}
         self._make_screen, self._network = make_screen, network
-        self._ending = Ending()
+        self._ending = Shutdown()
         self._run = run
-        self._children = Children(run) if crew is None else crew
-        self._journal = Journal(run, "launcher")
+        self._children = LocalProcesses(run) if processes is None else processes
+        self._journal = LogWriter(run, "launcher")
         self._schedule = Schedule(filter(self._is_ours, deployment.chaos))
-        self._happenings: list[Happening] = []
+        self._happenings: list[RunEvent] = []
         self._starting = set(self._roles)
         self._view = View(0.0, None, None, None, None, [])
-        self._strangers: Strangers | None = None
+        self._strangers: ConnectionLog | None = None
         self._there: dict[int, str] = {}  # the role of each incarnation that is seen alive
 
-    def go(self) -> Course:
+    def go(self) -> RunOutcome:
         """Go through with the run; `RunError` if a process does not start.
 
         Whatever happens, no process that was started is left when this returns.
@@ -137,7 +136,7 @@ class Launcher:
             self._end(Escalation(time.monotonic(), FORCE))
             self._journal.close()
             self._children.tidy()
-        return Course(
+        return RunOutcome(
             self._ending.code,
             self._ending.reason or "",
             self._view,
@@ -157,7 +156,7 @@ class Launcher:
         if self._deployment.security is None:
             yield
             return
-        with Strangers(Refusals(self._note_refused), lambda *_: None) as self._strangers:
+        with ConnectionLog(Refusals(self._note_refused), lambda *_: None) as self._strangers:
             yield
 
     def _note_refused(self, key: str, reason: str, detail: str) -> None:
@@ -171,28 +170,28 @@ class Launcher:
     def _stay(self) -> None:
         """Watch until the run is over, nothing is left of it, or somebody interrupts it."""
         deployment, now = self._deployment, time.monotonic()
-        life = Life(
+        life = Lifetime(
             patience=deployment.patience,
             duration=deployment.duration,
             speed=deployment.speed,
             now=now,
         )
         self._view, frame = self._watcher.look(), now
-        havoc = Havoc(
+        injector = FaultInjector(
             deployment,
             self._children,
             self._watcher,
             self._journal,
             show=lambda text: self._screen.happened(self._view.t, text),
             happened=self._happened,
-            bequeath=lambda t: bequeath(self._run, t),
+            start_successor=lambda t: start_successor(self._run, t),
             network=self._network,
         )
         while self._children and not self._ending.wait(_TURN):
             now, before = time.monotonic(), self._view.t
             self._view = self._watcher.look()
             if self._view.t != before:
-                life.plant_heard(self._view.t, now)
+                life.plant_seen(self._view.t, now)
             self._starting -= {
                 row.role
                 for row in self._view.rows
@@ -204,14 +203,14 @@ class Launcher:
             for due in self._schedule.due(min(before, self._view.t)):  # not by one wrong t
                 if due.event.role is not None:
                     self._starting.discard(due.event.role)
-                havoc.carry_out(due)
+                injector.carry_out(due)
             if now >= frame:
                 frame = now + _FRAME
                 self._screen.show(self._view)
                 if self._strangers is not None:
                     self._strangers.look()
                 self._journal.flush()
-            if life.over(now) or life.forlorn(now):
+            if life.over(now) or life.timed_out(now):
                 return
 
     def _note_gone(self) -> None:
@@ -224,7 +223,7 @@ class Launcher:
             self._journal.write(self._view.t, "gone", role=role, by=f"{by:x}", ago=round(ago, 6))
         self._there = {by: row.role for by, row in there.items()}
 
-    def _note_end(self, ended: Ended) -> None:
+    def _note_end(self, ended: ProcessExit) -> None:
         if ended.role in self._starting and ended.code > 0:  # who is killed did start
             raise RunError(f"{ended.role} did not start: {ended.said or ended.how}")
         self._starting.discard(ended.role)
@@ -234,7 +233,7 @@ class Launcher:
     def _finish(self) -> None:
         """Give the processes time to end by themselves, unless interrupted, and then end them."""
         interrupted = self._ending.reason is not None
-        alone = not self._starting and len(self._members) == len(self._deployment.crew)
+        alone = not self._starting and len(self._members) == len(self._deployment.processes)
         means = ALL_MEANS if alone else FORCE  # others may have the name, and run
         began = time.monotonic() + (0.0 if interrupted else _AMPLE)
         for ended in self._end(Escalation(began, means)):
@@ -242,7 +241,7 @@ class Launcher:
                 self._happened(f"{ended.role} {ended.how}", pid=ended.pid, code=ended.code)
         self._ending.ask("the run is over")
 
-    def _end(self, escalation: Escalation) -> list[Ended]:
+    def _end(self, escalation: Escalation) -> list[ProcessExit]:
         """Wait until no process is left, and return how they ended; kill at a second Ctrl-C."""
         all_ended = []
         signal.signal(signal.SIGINT, lambda *_: self._children.signal(signal.SIGKILL))
@@ -258,6 +257,6 @@ class Launcher:
 
     def _happened(self, text: str, **more: object) -> None:
         t = self._view.t
-        self._happenings.append(Happening(t, text))
+        self._happenings.append(RunEvent(t, text))
         self._journal.write(t, "happened", what=text, **more)
         self._screen.happened(t, text)

@@ -9,13 +9,12 @@ from math import isfinite
 import numpy as np
 
 from agents.agent import REST, Agent, Percepts
-from runtime.processes.backlog import Backlog
-from runtime.processes.cadence import Cadence, apart
+from runtime.processes.perception import Perception
 from runtime.processes.process import Loop, Process
-from runtime.processes.senses import Senses
-from runtime.wire import keys
-from runtime.wire.arrival import Arrival
+from runtime.processes.timing import Backlog, Cadence, apart
+from runtime.wire import topics
 from runtime.wire.messages import JointCommand, PlatformCommand
+from runtime.wire.samples import Sample
 
 _PAUSE = 0.1  # of a period, without which a state has waited for the agent
 _AT_ONCE = 16  # messages of one kind that are looked at before a decision, however many wait
@@ -47,7 +46,7 @@ class AgentLoop(Loop):
         self._command: Callable[..., JointCommand | PlatformCommand]
         self._command = PlatformCommand if joint is None else JointCommand
         fresh = freshness(deployment.period, deployment.speed)
-        self._senses = Senses(deployment.description.robot, fresh, process.refusals)
+        self._senses = Perception(deployment.description.robot, fresh, process.refusals)
         self._backlog = Backlog(deployment.period, deployment.speed)
         self._pause = _PAUSE * deployment.period / deployment.speed
         self._cadence = Cadence(agent.rest, apart(deployment.slot(process.role)))
@@ -56,18 +55,18 @@ class AgentLoop(Loop):
         self._decided_at, self._good = 0.0, agent.rest / REST  # when, and for how long [s]
         self._done, self._paused = 0.0, False
         sees = agent.sees
-        self._others = [bus.ring(key) for key in keys.GOALS if "goal" in sees]
+        self._others = [bus.ring(key) for key in topics.GOALS if "goal" in sees]
         if "base" in sees:
-            self._others.append(bus.ring(keys.PLATFORM, _NEWEST))
+            self._others.append(bus.ring(topics.PLATFORM, _NEWEST))
         silence = None
         if sees >= {"joints", "hand"}:  # it goes by the joint states, and looks at the hand
-            self._others.append(bus.ring(keys.HAND, _NEWEST))
+            self._others.append(bus.ring(topics.HAND, _NEWEST))
             silence = max(deployment.period / deployment.speed, _BLINK)
         self._out = bus.publisher(
-            keys.PLATFORM_COMMAND if joint is None else keys.joint_command(joint + 1)
+            topics.PLATFORM_COMMAND if joint is None else topics.joint_command(joint + 1)
         )
-        board = keys.JOINTS if "joints" in sees or "hand" not in sees else keys.HAND
-        self._board = bus.reflex(board, self._perceive, silence, self._think)
+        board = topics.JOINTS if "joints" in sees or "hand" not in sees else topics.HAND
+        self._board = bus.on_sample(board, self._perceive, silence, self._think)
         self._perceiving = threading.Lock()
 
     @property
@@ -79,7 +78,7 @@ class AgentLoop(Loop):
         """React to the plant until the bus is closed."""
         self._board.run()
 
-    def _perceive(self, arrivals: Sequence[Arrival], now: float) -> None:
+    def _perceive(self, arrivals: Sequence[Sample], now: float) -> None:
         """Take what came, and answer if it calls for that and no newer state waits behind it.
 
         If nothing came for a while it looks for what else there may be to go by.
@@ -110,7 +109,7 @@ class AgentLoop(Loop):
             t = self._decide(now, t)
         self._process.t = t
         if self._process.life:
-            self._process.life.plant_heard(t, now)
+            self._process.life.plant_seen(t, now)
         wanted = self._wanted
         if wanted is not None and t - self._decided_at <= self._good:
             self._out.send(self._command(t, *wanted))
@@ -135,7 +134,7 @@ class AgentLoop(Loop):
                 self._senses.take(arrival, now)
             return self._senses.percepts(now)
 
-    def _lately(self) -> Iterator[Arrival]:
+    def _lately(self) -> Iterator[Sample]:
         """Yield what came of the kinds that are of use to a decision only."""
         for ring in self._others:
             yield from ring.waiting(_AT_ONCE)

@@ -5,8 +5,8 @@ import time
 from agents.paths import Path
 from runtime.processes.agent_process import freshness
 from runtime.processes.process import Loop, Process
-from runtime.wire import keys
-from runtime.wire.ear import Ear
+from runtime.wire import topics
+from runtime.wire.arbitration import TopicInput
 from runtime.wire.fields import LIMIT
 from runtime.wire.messages import GoalMessage, JointStates
 
@@ -20,10 +20,10 @@ class GoalLoop(Loop):
         super().__init__()
         deployment = process.deployment
         self._process, self._path = process, path
-        self._ring = process.bus.ring(keys.JOINTS, depth=1)
+        self._ring = process.bus.ring(topics.JOINTS, depth=1)
         fresh = freshness(deployment.period, deployment.speed)
-        self._plant = Ear(keys.JOINTS, JointStates, fresh, process.refusals)
-        self._out = process.bus.publisher(keys.GOAL)
+        self._plant = TopicInput(topics.JOINTS, JointStates, fresh, process.refusals)
+        self._out = process.bus.publisher(topics.GOAL)
 
     def run(self) -> None:
         """React to the plant until the bus is closed."""
@@ -44,7 +44,7 @@ class GoalLoop(Loop):
         process = self._process
         process.t = t = states.t
         if process.life:
-            process.life.plant_heard(t, now)
+            process.life.plant_seen(t, now)
         self.state = "runs" if t < self._path.end else "has reached the end of its path"
         goal = self._path.piece(t)
         position, velocity = goal.position.tolist(), goal.velocity.tolist()

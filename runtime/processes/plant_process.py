@@ -9,14 +9,14 @@ import numpy as np
 from plant.errors import MsmaError
 from plant.faults import Fault
 from plant.simulator import Simulator
-from runtime.processes.answers import Answers
-from runtime.processes.ending import FAILED
-from runtime.processes.goal_keeping import GoalKeeper
-from runtime.processes.orders import EXPRESSIONS, Orders
-from runtime.processes.pacer import Pacer
+from runtime.processes.command_arbiter import EXPRESSIONS, CommandArbiter
+from runtime.processes.goal_memory import GoalMemory
+from runtime.processes.lifetime import FAILED
+from runtime.processes.meters import AnswerTimes
 from runtime.processes.process import Loop, Process
-from runtime.processes.telling import Teller, Truth
-from runtime.wire import keys
+from runtime.processes.state_publisher import StatePublisher, TruthLog
+from runtime.processes.timing import Pacer
+from runtime.wire import topics
 from runtime.wire.fields import Spread
 
 _SILENT = 1.5  # periods without a word of an agent after which another in its role is obeyed, but
@@ -29,10 +29,10 @@ class PlantLoop(Loop):
 
     Its time starts with the first valid command and stands still while the process is stopped.
 
-    answers: measures how soon the agents answer; by default an `Answers` of its own
+    answers: measures how soon the agents answer; by default an `AnswerTimes` of its own
     """
 
-    def __init__(self, process: Process, answers: Answers | None = None) -> None:
+    def __init__(self, process: Process, answers: AnswerTimes | None = None) -> None:
         super().__init__()
         deployment = process.deployment
         robot = deployment.description.robot
@@ -46,20 +46,20 @@ class PlantLoop(Loop):
             period=self._period,
             rng=np.random.default_rng([deployment.seed, deployment.slot(process.role)]),
         )
-        self._orders = Orders(
+        self._orders = CommandArbiter(
             robot,
             hold=deployment.plant.hold,
             fresh=max(_SILENT * self._period, _LATE * self._speed),
             refusals=process.refusals,
             say=self._note_obeyed,
         )
-        self._answers = answers or Answers()
-        self._teller = Teller(process.bus, self._simulator)
-        self._truth = Truth(self._simulator)
-        self._goal = GoalKeeper(process.bus, process.refusals)
+        self._answers = answers or AnswerTimes()
+        self._teller = StatePublisher(process.bus, self._simulator)
+        self._truth = TruthLog(self._simulator)
+        self._goal = GoalMemory(process.bus, process.refusals)
         self._faults: deque[Fault] = deque()
-        self._tray = process.bus.tray(*EXPRESSIONS)
-        process.bus.answer(keys.FAULT, self._on_fault)
+        self._tray = process.bus.sample_queue(*EXPRESSIONS)
+        process.bus.answer(topics.FAULT, self._on_fault)
         process.life = None  # it is the plant, so it waits for none
         self.state = "waits for the agents"
 
@@ -103,7 +103,7 @@ class PlantLoop(Loop):
         """Move for one period, and tell the state that this leads to."""
         self._take_orders(now)
         self._inject_faults()
-        commands, ages = self._orders.in_force(self._process.t)
+        commands, ages = self._orders.commands_at(self._process.t)
         self._process.t = self._simulator.step(commands).t
         self._goal.keep(now)
         self._answers.told(self._process.t, time.monotonic())
@@ -134,15 +134,15 @@ class PlantLoop(Loop):
             try:
                 self._simulator.inject(fault)
             except MsmaError as error:
-                self._process.journal.write(self._process.t, "fault refused", why=str(error))
+                self._process.log.write(self._process.t, "fault refused", why=str(error))
             else:
-                self._process.journal.write(self._process.t, "fault", fault=str(fault))
+                self._process.log.write(self._process.t, "fault", fault=str(fault))
 
     def _note_obeyed(self, role: str, by: int) -> None:
-        self._process.journal.write(self._process.t, "obeys", role=role, by=f"{by:x}")
+        self._process.log.write(self._process.t, "obeys", role=role, by=f"{by:x}")
 
     def _note_truth(self, ages: list[float | None]) -> None:
-        self._process.journal.line(self._truth.line(ages))
+        self._process.log.line(self._truth.line(ages))
 
     def _take_leave(self) -> None:
         """Go on telling the last state for a moment."""

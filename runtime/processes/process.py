@@ -17,20 +17,19 @@ from types import TracebackType
 from typing import Self
 
 from runtime import VERSION
-from runtime.config.deployment import Deployment, Member
-from runtime.processes.ending import FAILED, Ending
-from runtime.processes.journal import Journal, new_run_folder
-from runtime.processes.life import Life
+from runtime.config.deployment import Deployment, ProcessSpec
+from runtime.processes.joining import find_run, join
+from runtime.processes.lifetime import FAILED, Lifetime, Shutdown
+from runtime.processes.log_writer import LogWriter, new_run_folder
 from runtime.processes.meters import Durations, Rate
-from runtime.processes.places import join, run_of_others
-from runtime.processes.scheduling import go_first
-from runtime.wire import keys
+from runtime.processes.scheduling import set_realtime
+from runtime.wire import topics
 from runtime.wire.bus import BusError
 from runtime.wire.fields import Spread
-from runtime.wire.lingering import let_go
 from runtime.wire.messages import Diag, stamped
 from runtime.wire.refusals import Refusals
-from runtime.wire.strangers import Strangers
+from runtime.wire.zenoh_internals.connection_log import ConnectionLog
+from runtime.wire.zenoh_internals.linger import disable_linger
 
 _CHECK = 0.25  # [s] between two looks of the watchdog
 _FLUSH, _REPORT = 2, 4  # looks from one flush of the log, one diag to the next
@@ -73,16 +72,16 @@ class Process:
     def __init__(
         self,
         deployment: Deployment,
-        member: Member,
+        member: ProcessSpec,
         file: Path,
         run: Path | None = None,
     ) -> None:
         sys.setswitchinterval(0.0001)  # [s], or a busy thread makes the loop wait 5 ms
         self.deployment, self.role, self.file = deployment, member.role, file.absolute()
-        self.ending = Ending()
+        self.ending = Shutdown()
         self.refusals = Refusals(self._note_refused)
         self.t = 0.0
-        self.life: Life | None = Life(
+        self.life: Lifetime | None = Lifetime(
             patience=deployment.patience,
             duration=deployment.duration,
             speed=deployment.speed,
@@ -90,17 +89,19 @@ class Process:
         )
         self._rate = 0.0
         self._n = 0
-        self._strangers: Strangers | None = None
+        self._strangers: ConnectionLog | None = None
         with ExitStack() as stack:
             if deployment.credentials(self.role):
-                self._strangers = stack.enter_context(Strangers(self.refusals, self._note_joined))
-            go_first()  # before the bus, whose threads are scheduled as this one is
+                self._strangers = stack.enter_context(
+                    ConnectionLog(self.refusals, self._note_joined)
+                )
+            set_realtime()  # before the bus, whose threads are scheduled as this one is
             self.bus = stack.enter_context(
                 join(deployment, member, random.SystemRandom().getrandbits(63))
             )
-            found = run or run_of_others(self.bus)
+            found = run or find_run(self.bus)
             self.run = (found or new_run_folder(deployment.runs, deployment.robot)).absolute()
-            self.journal = Journal(self.run, self.role)
+            self.log = LogWriter(self.run, self.role)
             self._stack = stack.pop_all()
 
     def __enter__(self) -> Self:
@@ -113,17 +114,17 @@ class Process:
         trace: TracebackType | None,
     ) -> None:
         self._stack.close()
-        self.journal.close()
+        self.log.close()
 
     def live(self, loop: Loop) -> int:
         """Go through with the loop, in the main thread, and return the exit code."""
         gc.freeze()  # what there is by now stays: no need to look at it again for garbage
         self.ending.catch_signals()
         by = f"{self.bus.incarnation:x}"
-        self.journal.write(self.t, "start", role=self.role, pid=os.getpid(), by=by)
-        self.journal.flush()
-        self.bus.answer(keys.stop(self.role), self._stop)
-        self.bus.answer(keys.diag(self.role), lambda _: self._diag_bytes(loop))
+        self.log.write(self.t, "start", role=self.role, pid=os.getpid(), by=by)
+        self.log.flush()
+        self.bus.answer(topics.stop(self.role), self._stop)
+        self.bus.answer(topics.diag(self.role), lambda _: self._diag_bytes(loop))
         self.bus.announce(self.role)
         watchdog = threading.Thread(target=self._watch, args=(loop,), name="watchdog")
         watchdog.start()
@@ -144,24 +145,24 @@ class Process:
             self._look_after(loop)
         except Exception as error:  # without a watchdog nothing may go on
             self._note_crash(error)
-        self.journal.write(self.t, "end", reason=self.ending.reason, code=self.ending.code)
-        self.journal.flush()
+        self.log.write(self.t, "end", reason=self.ending.reason, code=self.ending.code)
+        self.log.flush()
         signal.setitimer(signal.ITIMER_REAL, _LAST_RESORT)
         self.bus.close()
 
     def _look_after(self, loop: Loop) -> None:
         """Look four times a second whether to end; flush the log, and say how it is."""
-        publisher = self.bus.publisher(keys.diag(self.role), urgent=False, express=False)
+        publisher = self.bus.publisher(topics.diag(self.role), urgent=False, express=False)
         rate = Rate(time.monotonic())
         looks = 0
         pause = random.uniform(0.0, _CHECK)  # or all that began together would do this at once
         while not self.ending.wait(pause):
             pause = _CHECK
-            let_go()
+            disable_linger()
             now = time.monotonic()
             if self.life and self.life.over(now):
                 self.ending.ask("the run is over")
-            elif self.life and (reason := self.life.forlorn(now)):
+            elif self.life and (reason := self.life.timed_out(now)):
                 self.ending.ask(reason, FAILED)
             if self._strangers:
                 self._strangers.look()
@@ -169,11 +170,11 @@ class Process:
                 self._rate = rate.look(loop.work.count, now)
                 publisher.send(self.diag(loop))
             if looks % _FLUSH == 0:
-                self.journal.flush()
+                self.log.flush()
             looks += 1
 
     def _note_crash(self, error: Exception) -> None:
-        self.journal.write(self.t, "crash", trace=traceback.format_exc())
+        self.log.write(self.t, "crash", trace=traceback.format_exc())
         self.ending.ask(f"{type(error).__name__}: {error}", FAILED)
 
     def diag(self, loop: Loop) -> Diag:
@@ -204,10 +205,10 @@ class Process:
         return b"ok"
 
     def _note_joined(self, name: str, where: str) -> None:
-        self.journal.write(self.t, "joined", name=name, where=where)
+        self.log.write(self.t, "joined", name=name, where=where)
 
     def _note_refused(self, key: str, reason: str, detail: str) -> None:
-        self.journal.write(self.t, "refused", key=key, reason=reason, detail=detail)
+        self.log.write(self.t, "refused", key=key, reason=reason, detail=detail)
 
 
 def _printable(text: str) -> str:

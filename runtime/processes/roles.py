@@ -8,24 +8,24 @@ import sys
 from pathlib import Path
 
 from plant.errors import MsmaError
-from runtime.config.deployment import Deployment, Member
+from runtime.config.deployment import Deployment, ProcessSpec
 from runtime.processes.process import Loop, Process
-from runtime.wire import keys
+from runtime.wire import topics
 
 
-def live(deployment: Deployment, member: Member, file: Path, run: Path | None = None) -> int:
+def live(deployment: Deployment, member: ProcessSpec, file: Path, run: Path | None = None) -> int:
     """Be that process until its end, and return the exit code.
 
     `file` is where the deployment was read from, `run` the folder of the log: if it is not
     given, that of the others which run already, or else a new one. Raises `MsmaError` if it
     cannot begin.
     """
-    if member.copy and member.role == keys.PLANT:
+    if member.copy and member.role == topics.PLANT:
         raise MsmaError("the plant is the robot: there can be no copy of it")
     with Process(deployment, member, file, run) as process:
         loop = _loop(process)
         place = f"{member.role} of {deployment.robot}"
-        print(f"{place}: its log is {process.journal.path}", file=sys.stderr, flush=True)
+        print(f"{place}: its log is {process.log.path}", file=sys.stderr, flush=True)
         code = process.live(loop)
         print(f"{place}: {process.ending.reason}", file=sys.stderr, flush=True)
     return code
@@ -33,11 +33,11 @@ def live(deployment: Deployment, member: Member, file: Path, run: Path | None = 
 
 def _loop(process: Process) -> Loop:
     deployment, role = process.deployment, process.role
-    if role == keys.PLANT:
+    if role == topics.PLANT:
         from runtime.processes.plant_process import PlantLoop
 
         return PlantLoop(process)
-    if role == keys.GOAL_SOURCE and deployment.goal is not None:
+    if role == topics.GOAL_SOURCE and deployment.goal is not None:
         from runtime.processes.goal_process import GoalLoop
 
         return GoalLoop(process, deployment.goal.build())

@@ -5,7 +5,7 @@ import os
 _LOWEST = 1  # of the priorities in real time: drivers and sound go before a robot's agents
 
 
-def go_first() -> bool:
+def set_realtime() -> bool:
     """Have this thread, and those it starts, scheduled in real time; tell whether that is granted.
 
     So no other program holds a command up. And of a robot's processes none interrupts another

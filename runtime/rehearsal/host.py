@@ -7,8 +7,8 @@ import sys
 
 from setproctitle import setproctitle
 
-from runtime.launching.share import serve
 from runtime.rehearsal.tap import open_cable
+from runtime.spawning.host_server import serve
 
 
 def main() -> int:

@@ -16,10 +16,10 @@ from typing import Self
 from runtime.config.chaos import LAUNCHER, WATCHER, ChaosEvent
 from runtime.config.deployment import Deployment
 from runtime.config.tree import ConfigError
-from runtime.launching.failures import RunError
-from runtime.launching.shares import out_of
+from runtime.errors import RunError
 from runtime.rehearsal.links import Trouble
 from runtime.rehearsal.tap import leave_the_network, open_cable
+from runtime.spawning.remote import out_of
 
 _SOURCES = Path(__file__).parents[2]
 _PATIENCE = 20.0  # [s] for a host to be there

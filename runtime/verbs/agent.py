@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-from runtime.config.deployment import Member
+from runtime.config.deployment import ProcessSpec
 from runtime.config.options import add_deployment_options, load_from
 from runtime.config.spelling import valid_are
 from runtime.config.tree import ConfigError
@@ -35,5 +35,5 @@ def run(args: argparse.Namespace) -> int:
         hint = valid_are(args.host, deployment.hosts)
         raise ConfigError(f"--host {args.host}: it goes with --copy, on a host of the file{hint}")
     home = args.host or deployment.host_of(args.role)
-    member = Member(args.role, home, copy=args.copy)
+    member = ProcessSpec(args.role, home, copy=args.copy)
     return live(deployment, member, Path(args.file), args.run)

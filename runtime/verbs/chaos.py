@@ -8,14 +8,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Protocol
 
+from runtime.campaign.campaign import CampaignRun, carry_out, check
+from runtime.campaign.report import CampaignReport, faults
 from runtime.config.options import add_deployment_options, given, load_from
-from runtime.launching.campaign import Trial, carry_out, check
-from runtime.launching.saving import save
-from runtime.launching.saying import say
-from runtime.launching.summary import MISSED
-from runtime.launching.tally import Tally, faults
-from runtime.processes.ending import FAILED, INTERRUPTED, OK
-from runtime.processes.journal import new_run_folder
+from runtime.processes.lifetime import FAILED, INTERRUPTED, OK
+from runtime.processes.log_writer import new_run_folder
+from runtime.results.finishing import save
+from runtime.results.summary import MISSED
+from runtime.watching.table import say
 
 NAME = "chaos"
 """Of the report's files, `.md` and `.json`."""
@@ -35,7 +35,7 @@ def run(args: argparse.Namespace) -> int:
     check(deployment, args.runs)
     folder = new_run_folder(deployment.runs, f"{deployment.robot}-chaos").absolute()
     deployment = replace(deployment, runs=folder)
-    trials: list[Trial] = []
+    trials: list[CampaignRun] = []
     code = OK
     with _progress(args.runs) as progress:
         try:
@@ -45,7 +45,7 @@ def run(args: argparse.Namespace) -> int:
         except KeyboardInterrupt:
             code = INTERRUPTED
     again = shlex.join(["msma", "chaos", args.file, *given(args), "--runs", "1"])
-    tally = Tally(deployment, trials, again)
+    tally = CampaignReport(deployment, trials, again)
     say(tally.text())
     say(_kept(folder / f"{NAME}.md", tally.markdown()))
     say(_kept(folder / f"{NAME}.json", tally.to_json()))
@@ -63,7 +63,7 @@ def _kept(file: Path, text: str) -> str:
 class _Progress(Protocol):
     """Shows how far it is."""
 
-    def done(self, trials: list[Trial]) -> None:
+    def done(self, trials: list[CampaignRun]) -> None:
         """The last of these has just been done."""
 
 
@@ -73,7 +73,7 @@ class _Lines:
     def __init__(self, runs: int) -> None:
         self._runs = runs
 
-    def done(self, trials: list[Trial]) -> None:
+    def done(self, trials: list[CampaignRun]) -> None:
         """Say how the last one went."""
         say(f"{len(trials)} of {self._runs}  {_told(trials[-1])}")
 
@@ -93,13 +93,13 @@ def _progress(runs: int) -> Iterator[_Progress]:
         task = bar.add_task("runs", total=runs)
 
         class _Bar:
-            def done(self, trials: list[Trial]) -> None:
+            def done(self, trials: list[CampaignRun]) -> None:
                 bar.advance(task)
                 console.print(_told(trials[-1]))
 
         yield _Bar()
 
 
-def _told(trial: Trial) -> str:
+def _told(trial: CampaignRun) -> str:
     error = "" if trial.error is None else f"{1e3 * trial.error:.2f} mm off"
     return f"seed {trial.seed}  {trial.outcome:7}  {trial.why or error}  {faults(trial.chaos)}"

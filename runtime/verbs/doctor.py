@@ -4,14 +4,13 @@ import argparse
 from pathlib import Path
 
 from runtime.config.deployment import load
-from runtime.launching.checkup import Grade, machine
-from runtime.launching.finding import target_of
-from runtime.launching.key_checkup import keys
-from runtime.launching.place_checkup import hosts, place
-from runtime.launching.table import columns
-from runtime.launching.target_options import add_target_options
-from runtime.wire.keys import PLANT
-from runtime.wire.ports import FIRST_COPY
+from runtime.doctor.keys import keys
+from runtime.doctor.machine import Grade, machine
+from runtime.doctor.network import hosts, place
+from runtime.watching.discovery import add_target_options, target_of
+from runtime.watching.table import columns
+from runtime.wire.mesh import FIRST_COPY
+from runtime.wire.topics import PLANT
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -4,9 +4,8 @@ import argparse
 import json
 import queue
 
-from runtime.launching.finding import target_of, visit
-from runtime.launching.target_options import add_target_options
-from runtime.wire import keys
+from runtime.watching.discovery import add_target_options, target_of, visit
+from runtime.wire import topics
 from runtime.wire.fields import MessageError
 from runtime.wire.messages import FIELDS, unpack
 
@@ -41,7 +40,7 @@ def run(args: argparse.Namespace) -> int:
 
 def decoded(key: str, data: bytes) -> str:
     """Return a message as JSON with the names that it has on the wire, or why it is none."""
-    kind = keys.kind_of(key)
+    kind = topics.kind_of(key)
     if kind is None:
         return json.dumps({"key": key, "bytes": len(data)})
     try:

@@ -3,10 +3,9 @@
 import argparse
 
 from plant.faults import FaultError
-from runtime.launching.failures import RunError
-from runtime.launching.finding import target_of, visit
-from runtime.launching.target_options import add_target_options
-from runtime.wire import keys
+from runtime.errors import RunError
+from runtime.watching.discovery import add_target_options, target_of, visit
+from runtime.wire import topics
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -20,7 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Ask the plant for it; 2 if there is no such fault, 1 if there is no plant."""
     with visit(target_of(args)) as bus:
-        answers = bus.ask(keys.FAULT, args.fault.encode())
+        answers = bus.ask(topics.FAULT, args.fault.encode())
     if not answers:
         raise RunError("no plant answers")
     said = answers[0].data.decode(errors="replace")

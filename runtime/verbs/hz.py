@@ -5,9 +5,8 @@ import time
 from itertools import pairwise
 from statistics import pstdev
 
-from runtime.launching.failures import RunError
-from runtime.launching.finding import target_of, visit
-from runtime.launching.target_options import add_target_options
+from runtime.errors import RunError
+from runtime.watching.discovery import add_target_options, target_of, visit
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

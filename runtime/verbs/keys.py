@@ -6,9 +6,9 @@ from pathlib import Path
 from plant.errors import MsmaError
 from runtime.config.deployment import load
 from runtime.config.tree import ConfigError
-from runtime.wire.keys import PLANT
 from runtime.wire.mesh import LOOPBACK
 from runtime.wire.security import Credentials, names
+from runtime.wire.topics import PLANT
 
 _DAYS = 730
 
@@ -36,7 +36,7 @@ def run(args: argparse.Namespace) -> int:
     if authority.exists() and not args.overwrite:
         raise ConfigError(f"there are keys in {args.folder} already; --overwrite makes all anew")
     try:
-        from runtime.launching.certificates import Authority, write_keys
+        from runtime.tls.certificates import Authority, write_keys
     except ImportError:
         raise MsmaError("msma keys needs cryptography: pip install 'msma[keys]'") from None
     hosts = (host.address for host in deployment.hosts.values())

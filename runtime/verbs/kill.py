@@ -4,9 +4,8 @@ import argparse
 import os
 import signal
 
-from runtime.launching.finding import target_of, visit
-from runtime.launching.local import pid_in
-from runtime.launching.target_options import add_target_options
+from runtime.watching.discovery import add_target_options, target_of, visit
+from runtime.watching.local import pid_in
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 from runtime.config.deployment import Deployment
 from runtime.config.options import add_deployment_options, load_from
 from runtime.launching.launcher import Launcher, prepare
-from runtime.launching.saying import say
+from runtime.watching.table import say
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from runtime.launching.launcher import Course
-    from runtime.launching.screen import Screen
+    from runtime.launching.launcher import RunOutcome
+    from runtime.watching.screen import Screen
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -45,40 +45,42 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _rehearse(deployment: Deployment) -> int:
-    from runtime.launching.shares import Shares
     from runtime.rehearsal.stage import Stage
+    from runtime.spawning.remote import RemoteProcesses
 
     with Stage(deployment) as stage:
         deployment = stage.deployment
         folder = prepare(deployment, stage)
         stage.build(folder)
-        crew = Shares(folder, stage.hosts, away=False)
-        course = Launcher(deployment, folder, _screen_of(deployment), stage, crew).go()
+        processes = RemoteProcesses(folder, stage.hosts, away=False)
+        course = Launcher(deployment, folder, _screen_of(deployment), stage, processes).go()
     return _close(deployment, folder, course, ["--rehearse"])
 
 
 def _by_ssh(deployment: Deployment) -> int:
-    from runtime.launching.shares import Shares
-    from runtime.launching.ssh import connect
+    from runtime.spawning.remote import RemoteProcesses
+    from runtime.spawning.ssh import connect
 
     folder = prepare(deployment)
     with connect(deployment, folder) as hosts:
-        crew = Shares(folder, hosts, away=True)
-        course = Launcher(deployment, folder, _screen_of(deployment), crew=crew).go()
+        processes = RemoteProcesses(folder, hosts, away=True)
+        course = Launcher(deployment, folder, _screen_of(deployment), processes=processes).go()
     return _close(deployment, folder, course, ["--ssh"])
 
 
 def _screen_of(deployment: Deployment) -> "Callable[[], Screen]":
     def make_screen() -> "Screen":
-        from runtime.launching.screen import open_screen
+        from runtime.watching.screen import open_screen
 
         return open_screen(deployment.duration)
 
     return make_screen
 
 
-def _close(deployment: Deployment, folder: "Path", course: "Course", again: Sequence[str]) -> int:
-    from runtime.launching.closing import close
+def _close(
+    deployment: Deployment, folder: "Path", course: "RunOutcome", again: Sequence[str]
+) -> int:
+    from runtime.results.finishing import close
 
     summary, picture = close(deployment, folder, course, again)
     say(f"{summary.text()}\n{picture}".rstrip())

@@ -3,8 +3,8 @@
 import argparse
 import time
 
-from runtime.launching.nursery import Nursery
-from runtime.launching.target_options import add_target_options
+from runtime.spawning.forkserver import ForkServer
+from runtime.watching.discovery import add_target_options
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -16,10 +16,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Start it and wait until it is there; 1 if it does not come."""
     began = time.monotonic()
-    with Nursery(args.role) as nursery:  # it imports while this one looks for the robot
-        from runtime.launching.finding import target_of
-        from runtime.launching.reviving import revive
+    with ForkServer(args.role) as forkserver:  # it imports while this one looks for the robot
+        from runtime.watching.discovery import target_of
+        from runtime.watching.reviving import revive
 
-        pid = revive(args.role, target_of(args), nursery)
+        pid = revive(args.role, target_of(args), forkserver)
     print(f"{args.role} runs again, process {pid}, {time.monotonic() - began:.2f} s")
     return 0

@@ -2,7 +2,7 @@
 
 import argparse
 
-from runtime.launching.share import serve
+from runtime.spawning.host_server import serve
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

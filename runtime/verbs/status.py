@@ -7,11 +7,10 @@ from collections.abc import Mapping
 
 from setproctitle import setproctitle
 
-from runtime.launching.finding import target_of, visit
-from runtime.launching.local import diags, silent_roles
-from runtime.launching.table import HEADINGS, cells, columns, distance
-from runtime.launching.target_options import add_target_options
-from runtime.launching.watcher import View, Watcher
+from runtime.watching.discovery import add_target_options, target_of, visit
+from runtime.watching.local import diags, silent_roles
+from runtime.watching.table import HEADINGS, cells, columns, distance
+from runtime.watching.watcher import View, Watcher
 
 _FRAME, _LEAST = 0.25, 0.01
 """Between two pictures [s]: when nothing happens, and however much happens."""
@@ -57,7 +56,7 @@ def _glance(watcher: Watcher) -> View:
 def _watch(watcher: Watcher) -> None:
     from rich.live import Live
 
-    from runtime.launching.screen import picture
+    from runtime.watching.screen import picture
 
     with Live(auto_refresh=False) as live:
         while True:

@@ -3,10 +3,9 @@
 import argparse
 import time
 
-from runtime.launching.failures import RunError
-from runtime.launching.finding import target_of, visit
-from runtime.launching.target_options import add_target_options
-from runtime.wire import keys
+from runtime.errors import RunError
+from runtime.watching.discovery import add_target_options, target_of, visit
+from runtime.wire import topics
 from runtime.wire.bus import Bus
 
 _PATIENCE = 3.0  # [s] for all to be gone
@@ -25,7 +24,7 @@ def run(args: argparse.Namespace) -> int:
         wanted = _tokens(bus, args.role)
         if not wanted:
             raise RunError(f"no {args.role} runs")
-        bus.ask(keys.stop(args.role or "**"), timeout=_ANSWER)
+        bus.ask(topics.stop(args.role or "**"), timeout=_ANSWER)
         until = time.monotonic() + _PATIENCE
         while (left := wanted & _tokens(bus, args.role)) and time.monotonic() < until:
             time.sleep(0.05)
@@ -42,5 +41,5 @@ def _tokens(bus: Bus, role: str | None) -> set[str]:
 
 
 def _role(token: str) -> str:
-    who = keys.who_is_alive(token)
+    who = topics.who_is_alive(token)
     return "" if who is None else who[0]

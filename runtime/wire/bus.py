@@ -15,13 +15,13 @@ import zenoh
 from zenoh.handlers import Callback, Handler, RingChannel
 
 from plant.errors import MsmaError
-from runtime.wire import keys
-from runtime.wire.arrival import Arrival, data_of, reader
-from runtime.wire.direct import Reflex, Tray, directly
-from runtime.wire.mesh import Place
+from runtime.wire import topics
+from runtime.wire.mesh import Endpoints
 from runtime.wire.messages import Message, stamped
+from runtime.wire.samples import Sample, data_of, reader
 from runtime.wire.security import Credentials
 from runtime.wire.session import config
+from runtime.wire.zenoh_internals.callbacks import CallbackSubscriber, SampleQueue, direct_callback
 
 _LINGER = 0.1  # [s] that an answer has to leave before the bus is closed: closing drops what waits
 
@@ -73,17 +73,17 @@ def send_together(messages: Sequence[tuple[Publisher, Message]]) -> None:
         publisher._put(data)
 
 
-class Ring:
+class RingSubscriber:
     """The last few messages on a key expression, for a loop that waits for them."""
 
     def __init__(
         self,
         subscriber: zenoh.Subscriber[Handler[zenoh.Sample]],
-        read: Callable[[zenoh.Sample], Arrival],
+        read: Callable[[zenoh.Sample], Sample],
     ) -> None:
         self._subscriber, self._read = subscriber, read
 
-    def recv(self) -> Arrival:
+    def recv(self) -> Sample:
         """Wait for the oldest of them; `BusError` once the bus is closed."""
         try:
             sample = self._subscriber.recv()
@@ -91,7 +91,7 @@ class Ring:
             raise BusError(f"the bus is closed: {error}") from None
         return self._read(sample)
 
-    def waiting(self, most: int) -> Iterator[Arrival]:
+    def waiting(self, most: int) -> Iterator[Sample]:
         """Yield those that wait already, at most that many, so that a flood has an end."""
         for _ in range(most):
             try:
@@ -114,7 +114,7 @@ class Bus:
         self,
         robot: str | None,
         role: str,
-        place: Place,
+        place: Endpoints,
         incarnation: int,
         credentials: Credentials | None = None,
     ) -> None:
@@ -124,7 +124,7 @@ class Bus:
         except zenoh.ZError as error:
             raise BusError(_why(robot, role, place, str(error))) from None
         self._token: zenoh.LivelinessToken | None = None
-        self._reflexes: list[Reflex] = []
+        self._reflexes: list[CallbackSubscriber] = []
         self._asked = -math.inf  # when somebody asked last [s, monotonic]
 
     def __enter__(self) -> Self:
@@ -141,8 +141,8 @@ class Bus:
     def close(self) -> None:
         """Leave the bus: a loop that waits for messages ends with `BusError`."""
         time.sleep(max(self._asked + _LINGER - time.monotonic(), 0.0))
-        for reflex in self._reflexes:
-            reflex.close()
+        for on_sample in self._reflexes:
+            on_sample.close()
         self._session.close()  # type: ignore[no-untyped-call] # an omission in zenoh's stubs
 
     def publisher(self, key: str, *, urgent: bool = True, express: bool = True) -> Publisher:
@@ -160,33 +160,35 @@ class Bus:
         )
         return Publisher(publisher, self.incarnation)
 
-    def ring(self, key: str, depth: int = 8) -> Ring:
+    def ring(self, key: str, depth: int = 8) -> RingSubscriber:
         """Return the last `depth` messages on a key expression, for a loop to wait for."""
-        return Ring(self._session.declare_subscriber(key, RingChannel(depth)), reader(key))
+        return RingSubscriber(
+            self._session.declare_subscriber(key, RingChannel(depth)), reader(key)
+        )
 
-    def tray(self, *expressions: str, depth: int = 4096) -> Tray:
+    def sample_queue(self, *expressions: str, depth: int = 4096) -> SampleQueue:
         """Return what comes on some key expressions, the last `depth` messages of it.
 
         It is put there by the thread that receives it, without another one in between: that
         saves a change of threads for each message, and `put` never waits.
         """
-        tray = Tray(depth)
+        sample_queue = SampleQueue(depth)
         for expression in expressions:
-            self._session.declare_subscriber(expression, directly(tray.put))
-        return tray
+            self._session.declare_subscriber(expression, direct_callback(sample_queue.put))
+        return sample_queue
 
-    def reflex(
+    def on_sample(
         self,
         expression: str,
-        react: Callable[[Sequence[Arrival], float], None],
+        react: Callable[[Sequence[Sample], float], None],
         silence: float | None = None,
         afterwards: Callable[[], None] = lambda: None,
-    ) -> Reflex:
+    ) -> CallbackSubscriber:
         """Return what reacts to each message on a key expression, and to silence, once it runs."""
-        reflex = Reflex(reader(expression), react, silence, afterwards)
-        self._session.declare_subscriber(expression, directly(reflex.put))
-        self._reflexes.append(reflex)
-        return reflex
+        on_sample = CallbackSubscriber(reader(expression), react, silence, afterwards)
+        self._session.declare_subscriber(expression, direct_callback(on_sample.put))
+        self._reflexes.append(on_sample)
+        return on_sample
 
     def listen(self, key: str, take: Callable[[str, bytes], None]) -> None:
         """Call `take` with key and bytes of each message, in a thread of the bus."""
@@ -196,13 +198,13 @@ class Bus:
 
     def announce(self, role: str) -> None:
         """Be seen alive as long as the process lives and the bus is open."""
-        key = keys.alive(role, self.incarnation)
+        key = topics.alive(role, self.incarnation)
         self._token = self._session.liveliness().declare_token(key)
 
     def watch_alive(self, tell: Callable[[str, bool], None]) -> None:
         """Call `tell` with each token's key and whether it is there, first for all there are."""
         self._session.liveliness().declare_subscriber(
-            keys.EVERYBODY_ALIVE,
+            topics.EVERYBODY_ALIVE,
             lambda sample: tell(str(sample.key_expr), sample.kind == zenoh.SampleKind.PUT),
             history=True,
         )
@@ -211,7 +213,7 @@ class Bus:
         """Return the keys of all tokens there are; waits [s] only for whom it has lost."""
 
         def get(handler: "Callback[zenoh.Reply]") -> None:
-            self._session.liveliness().get(keys.EVERYBODY_ALIVE, handler, timeout=timeout)
+            self._session.liveliness().get(topics.EVERYBODY_ALIVE, handler, timeout=timeout)
 
         replies = _replies(get, timeout)
         return [str(reply.ok.key_expr) for reply in replies if reply.ok is not None]
@@ -269,7 +271,7 @@ def _replies(
             yield reply
 
 
-def _why(robot: str | None, role: str, place: Place, error: str) -> str:
+def _why(robot: str | None, role: str, place: Endpoints, error: str) -> str:
     host, port = place.listen
     if "assign requested address" in error:
         return (

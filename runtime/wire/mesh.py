@@ -6,8 +6,22 @@ and whoever dies, newcomers are still dialled by the higher and dial the lower o
 """
 
 from typing import NamedTuple
+from zlib import crc32
 
-from runtime.wire.ports import FIRST_COPY, SLOTS
+SLOTS = 128
+"""Ports that a robot has to itself: one a process."""
+FIRST_COPY = 96
+"""From this slot on there are second copies of agents; below, each role has its own."""
+_FIRST_PORT, _ROBOTS = 7600, 190  # ports up to 31919, below those that systems hand out
+
+ALL_BASES = range(_FIRST_PORT, _FIRST_PORT + SLOTS * _ROBOTS, SLOTS)
+"""The first port of every robot that follows from a name."""
+
+
+def port_base(robot: str) -> int:
+    """Return the first port of a robot."""
+    return ALL_BASES[crc32(robot.encode()) % _ROBOTS]
+
 
 LOOPBACK = "127.0.0.1"
 
@@ -22,7 +36,7 @@ class Address(NamedTuple):
         return f"[{self.host}]:{self.port}" if ":" in self.host else f"{self.host}:{self.port}"
 
 
-class Place(NamedTuple):
+class Endpoints(NamedTuple):
     """Where a process listens (port 0: anywhere) and whom it dials.
 
     rarely: whom it dials too, but not as often: most of these places are empty
@@ -56,12 +70,12 @@ class Mesh(NamedTuple):
         """The addresses of all hosts."""
         return tuple(dict.fromkeys(self.hosts))
 
-    def seat(self, slot: int) -> Place:
+    def seat(self, slot: int) -> Endpoints:
         """Return the place of a role's process."""
         home = self.homes[slot]
         return self._place(home, slot, self._roles(slot))
 
-    def copy_seat(self, slot: int, home: str) -> Place:
+    def copy_seat(self, slot: int, home: str) -> Endpoints:
         """Return the place of a copy in one of the slots for copies of the host `home`.
 
         A slot's port is there on each host, so of two copies in one slot the host decides.
@@ -70,7 +84,7 @@ class Mesh(NamedTuple):
         same = (Address(address, self.base + slot) for address in self.addresses[:before])
         return self._place(home, slot, self._roles(len(self.homes)), (*self._copies(slot), *same))
 
-    def visitor(self) -> Place:
+    def visitor(self) -> Endpoints:
         """Return the place of a tool, which dials all roles and copies and is dialled by none.
 
         Dialling 128 slots of which 10 answer costs it 0.1 s at the start and 2 % of a core, so it
@@ -78,13 +92,13 @@ class Mesh(NamedTuple):
         """
         dials, copies = self._roles(len(self.homes)), self._copies(SLOTS)
         elsewhere = self._elsewhere(LOOPBACK)
-        return Place(Address(LOOPBACK, 0), dials, copies, elsewhere, self.routers)
+        return Endpoints(Address(LOOPBACK, 0), dials, copies, elsewhere, self.routers)
 
     def _place(
         self, home: str, slot: int, dials: tuple[Address, ...], rarely: tuple[Address, ...] = ()
-    ) -> Place:
+    ) -> Endpoints:
         listen = Address(home, self.base + slot)
-        return Place(listen, dials, rarely, self._elsewhere(home), self.routers)
+        return Endpoints(listen, dials, rarely, self._elsewhere(home), self.routers)
 
     def _roles(self, below: int) -> tuple[Address, ...]:
         homes = self.homes[:below]

@@ -35,7 +35,7 @@ _LONGEST_TEXT = 1024
 _MOST_ENTRIES = 80
 
 
-class HandPose(NamedTuple):
+class EndEffectorPose(NamedTuple):
     """Where an external localiser sees the grip point, in the world at plant time t [s].
 
     position: x, y, z [m]
@@ -140,7 +140,13 @@ class Diag(NamedTuple):
 
 
 Message = (
-    HandPose | JointStates | JointCommand | PlatformPose | PlatformCommand | GoalMessage | Diag
+    EndEffectorPose
+    | JointStates
+    | JointCommand
+    | PlatformPose
+    | PlatformCommand
+    | GoalMessage
+    | Diag
 )
 M = TypeVar("M", bound=Message)
 
@@ -153,7 +159,9 @@ def _fields(*own: Field) -> tuple[Field, ...]:
 
 
 FIELDS: Mapping[type[Any], tuple[Field, ...]] = {
-    HandPose: _fields(Field("position", three_numbers), Field("orientation", unit_quaternion)),
+    EndEffectorPose: _fields(
+        Field("position", three_numbers), Field("orientation", unit_quaternion)
+    ),
     JointStates: _fields(
         Field("position", numbers_or_nil, with_nil), Field("velocity", numbers_or_nil, with_nil)
     ),

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from runtime.wire import keys
+from runtime.wire import topics
 
 OPERATOR = "operator"
 """The name in the certificate of who commands the robot: the launcher and all tools."""
@@ -37,12 +37,12 @@ class Credentials(NamedTuple):
     @property
     def certificate(self) -> Path:
         """Its own certificate."""
-        return self.folder / f"{keys.file_name(self.name)}.pem"
+        return self.folder / f"{topics.file_name(self.name)}.pem"
 
     @property
     def private_key(self) -> Path:
         """The private key of its certificate."""
-        return self.folder / f"{keys.file_name(self.name)}.key"
+        return self.folder / f"{topics.file_name(self.name)}.key"
 
     @property
     def files(self) -> tuple[Path, ...]:
@@ -89,13 +89,13 @@ def access_list(robot: str, roles: Sequence[str]) -> dict[str, Any]:
     everybody = list(names(roles))
     rules.allow(everybody, "egress", _ALL, "**")
     rules.allow(everybody, "ingress", _READ, "**")
-    rules.allow(everybody, "ingress", ("query",), keys.EVERY_DIAG)
-    rules.allow([OPERATOR], "ingress", ("query",), keys.EVERY_CONTROL)
-    rules.allow([OPERATOR], "ingress", ("put",), keys.GOAL)
+    rules.allow(everybody, "ingress", ("query",), topics.EVERY_DIAG)
+    rules.allow([OPERATOR], "ingress", ("query",), topics.EVERY_CONTROL)
+    rules.allow([OPERATOR], "ingress", ("put",), topics.GOAL)
     for role in roles:
-        answers = (keys.controls(role), keys.diag(role))
-        rules.allow([role], "ingress", ("put",), *keys.told_by(role), keys.diag(role))
-        rules.allow([role], "ingress", ("liveliness_token",), keys.alive_in(role))
+        answers = (topics.controls(role), topics.diag(role))
+        rules.allow([role], "ingress", ("put",), *topics.told_by(role), topics.diag(role))
+        rules.allow([role], "ingress", ("liveliness_token",), topics.alive_in(role))
         rules.allow([role], "ingress", ("declare_queryable", "reply"), *answers)
     return {
         "enabled": True,

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import zenoh
 
-from runtime.wire.mesh import Place
+from runtime.wire.mesh import Endpoints
 from runtime.wire.security import Credentials, access_list, encryption
 
 
@@ -45,7 +45,9 @@ _RARELY = 2000
 """Pause [ms] at most before dialling anew where copies may be: 32 places of each host."""
 
 
-def config(robot: str | None, place: Place, credentials: Credentials | None = None) -> zenoh.Config:
+def config(
+    robot: str | None, place: Endpoints, credentials: Credentials | None = None
+) -> zenoh.Config:
     """Return the session's configuration, and set up the threads that it will have.
 
     Without a robot's name, keys are those of all robots, each below its robot's name. Without
@@ -91,7 +93,7 @@ def config(robot: str | None, place: Place, credentials: Credentials | None = No
     )
 
 
-def _dials(protocol: str, place: Place) -> list[str]:
+def _dials(protocol: str, place: Endpoints) -> list[str]:
     if place.routers:
         return [f"{protocol}/{there}" for there in place.routers]
     often = [f"{protocol}/{there}" for there in place.dials]

@@ -5,7 +5,7 @@ from studies.study import Watch
 
 
 def test_an_agent_that_is_hit_is_stood_in_for_and_the_gap_is_measured(tmp_path: Path) -> None:
-    bench = GapBench(rounds=1, victims=["joint/2"])
+    bench = GapBench(rounds=1, chaos_targets=["joint/2"])
     result = bench.measure(1.0, Watch())
     assert result.sound, result.checks
     hits = result.data["hits"]

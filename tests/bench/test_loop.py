@@ -34,10 +34,10 @@ from bench.loop import (
 )
 from bench.neighbours import busy_cores
 from bench.usage import Usage, cpu_seconds, lives
-from runtime.wire import keys
+from runtime.wire import topics
 from runtime.wire.messages import (
+    EndEffectorPose,
     GoalMessage,
-    HandPose,
     JointCommand,
     JointStates,
     Message,
@@ -54,16 +54,16 @@ BY, N, T = 1 << 62, 1000, 1.234
 def test_the_echo_sends_messages_as_large_as_ours() -> None:
     three, four, six = (0.1, 0.1, 0.1), (0.5,) * 4, (0.1,) * 6
     ours: dict[str, Message] = {
-        keys.PLATFORM: PlatformPose(T, 0.1, 0.1, 0.1, BY, N),
-        keys.HAND: HandPose(T, three, four, BY, N),
-        keys.JOINTS: JointStates(T, six, six, BY, N),
+        topics.PLATFORM: PlatformPose(T, 0.1, 0.1, 0.1, BY, N),
+        topics.HAND: EndEffectorPose(T, three, four, BY, N),
+        topics.JOINTS: JointStates(T, six, six, BY, N),
     }
     assert {key: len(pack(told)) for key, told in ours.items()} == STATES
     assert len(pack(JointCommand(T, 0.1, BY, N))) == JOINT_COMMAND_SIZE
     assert len(pack(PlatformCommand(T, 0.1, 0.1, BY, N))) == PLATFORM_COMMAND_SIZE
     assert len(pack(GoalMessage(T, three, three, 0.1, 24.0, BY, N))) == GOAL_SIZE
     assert [command_key(role) for role in AGENTS] == [
-        *(keys.joint_command(number) for number in range(1, 7)), keys.PLATFORM_COMMAND,
+        *(topics.joint_command(number) for number in range(1, 7)), topics.PLATFORM_COMMAND,
     ]  # fmt: skip
 
 

@@ -15,13 +15,12 @@ from typing import Any, TypeVar
 
 import pytest
 
-from runtime.launching.finding import is_taken
-from runtime.launching.logs import read_log
-from runtime.wire import keys
+from runtime.results.logs import read_log
+from runtime.watching.discovery import is_taken
+from runtime.wire import topics
 from runtime.wire.bus import Bus
-from runtime.wire.mesh import LOOPBACK, on_loopback
+from runtime.wire.mesh import LOOPBACK, SLOTS, on_loopback, port_base
 from runtime.wire.messages import Diag, unpack
-from runtime.wire.ports import SLOTS, port_base
 
 ROOT = Path(__file__).parents[2]
 signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -40,7 +39,7 @@ def wait_for(look: Callable[[], T | None], what: str, timeout: float = 15.0) -> 
     raise AssertionError(f"waited {timeout:g} s in vain for {what}")
 
 
-class Crew:
+class ProcessGroup:
     """The processes of one robot: each started as a person would, by `msma agent`."""
 
     def __init__(self, folder: Path, robot: str, port: int, stack: ExitStack) -> None:
@@ -81,7 +80,7 @@ class Crew:
 
     def diag(self, bus: Bus, role: str) -> Diag | None:
         """Ask a role how it is."""
-        answers = bus.ask(keys.diag(role), timeout=1.0)
+        answers = bus.ask(topics.diag(role), timeout=1.0)
         return unpack(Diag, answers[0].data) if answers else None
 
     def until(self, bus: Bus, role: str, true: Callable[[Diag], bool], what: str) -> Diag:
@@ -243,21 +242,21 @@ def _free_ports() -> tuple[int, socket.socket]:
 
 
 @pytest.fixture
-def make_crew(tmp_path: Path) -> Iterator[Callable[[], Crew]]:
+def make_crew(tmp_path: Path) -> Iterator[Callable[[], ProcessGroup]]:
     """Make crews of robots of their own."""
     with ExitStack() as stack:
 
-        def make() -> Crew:
+        def make() -> ProcessGroup:
             port, mark = _free_ports()
             stack.enter_context(mark)
             folder = tmp_path / str(port)
             folder.mkdir()
-            return Crew(folder, f"test-{os.getpid()}-{port}", port, stack)
+            return ProcessGroup(folder, f"test-{os.getpid()}-{port}", port, stack)
 
         yield make
 
 
 @pytest.fixture
-def crew(make_crew: Callable[[], Crew]) -> Crew:
-    """The crew of one robot."""
+def processes(make_crew: Callable[[], ProcessGroup]) -> ProcessGroup:
+    """The processes of one robot."""
     return make_crew()

@@ -6,24 +6,26 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 
 from agents.agent import Agent
-from runtime.config.deployment import Member, load
+from runtime.config.deployment import ProcessSpec, load
 from runtime.config.overrides import Override
 from runtime.processes.agent_process import AgentLoop
 from runtime.processes.process import Process
 from runtime.wire.bus import BusError
-from tests.runtime.conftest import Crew
+from tests.runtime.conftest import ProcessGroup
 
 
-def live_as_joint_1(crew: Crew, agent: Agent, period: str, meanwhile: Callable[[], object]) -> None:
+def live_as_joint_1(
+    processes: ProcessGroup, agent: Agent, period: str, meanwhile: Callable[[], object]
+) -> None:
     """Start a plant, and let the agent live beside it until `meanwhile` returns."""
-    wanted = {"robot": crew.robot, "port": f"{crew.port}", "period": period}
-    deployment = load(crew.file, [Override("here", *item) for item in wanted.items()])
-    member = Member("joint/1", deployment.host_of("joint/1"))
-    crew.options += ["--set", f"period={period}"]
-    crew.start("plant")
+    wanted = {"robot": processes.robot, "port": f"{processes.port}", "period": period}
+    deployment = load(processes.file, [Override("here", *item) for item in wanted.items()])
+    member = ProcessSpec("joint/1", deployment.host_of("joint/1"))
+    processes.options += ["--set", f"period={period}"]
+    processes.start("plant")
 
     def live() -> None:
-        with Process(deployment, member, crew.file, crew.run) as process:
+        with Process(deployment, member, processes.file, processes.run) as process:
             loop = AgentLoop(process, agent)
 
             def run() -> None:

@@ -27,12 +27,12 @@ def test_the_paper_s_task_is_done_and_nothing_is_left_but_the_record(robot: Robo
     assert robot.processes() == {}
     assert "goal reached" in said
     summary = robot.summary
-    verdict = summary["verdict"]
-    assert verdict["tracking"]["worst"] < 0.003
-    assert verdict["platform"]["least_speed"] > -1e-6
-    assert abs(verdict["platform"]["to_hand"]) < 0.5
-    assert abs(verdict["platform"]["arm_yaw"]) < 0.175  # 10 deg
-    elbow = next(joint for joint in verdict["joints"] if joint["name"] == "elbow")
+    evaluation = summary["evaluation"]
+    assert evaluation["tracking"]["worst"] < 0.003
+    assert evaluation["platform"]["least_speed"] > -1e-6
+    assert abs(evaluation["platform"]["to_hand"]) < 0.5
+    assert abs(evaluation["platform"]["arm_yaw"]) < 0.175  # 10 deg
+    elbow = next(joint for joint in evaluation["joints"] if joint["name"] == "elbow")
     assert 0.96 < abs(elbow["final"]) < 1.48  # 55 to 85 deg
     assert elbow["straightest"] > 0.35  # 20 deg
     assert [process["role"] for process in summary["processes"]] == ROLES
@@ -48,14 +48,14 @@ def test_all_move_at_once_show_their_roles_and_have_sessions_of_their_own(robot:
     moved = next(tick for tick in robot.log("plant", "tick") if any(tick["qd"]))
     assert moved["wall"] - began < 3.0  # 1.5 on an idle machine; tests may share it
     processes = robot.processes()
-    assert sorted(line.split()[-1] for line in processes.values()) == sorted((*ROLES, "nursery"))
+    assert sorted(line.split()[-1] for line in processes.values()) == sorted((*ROLES, "forkserver"))
     assert {os.getsid(pid) for pid in processes} == set(processes)
 
 
 def test_an_agent_that_hangs_for_a_while_goes_on_without_a_jump(robot: Robot) -> None:
     code, said = robot.run(*SPEED, "--duration", "12s", "--hang", "joint/2@5:3s")
     assert code == 0, said
-    what = [(event["text"], event["t"]) for event in robot.summary["happenings"]]
+    what = [(event["text"], event["t"]) for event in robot.summary["events"]]
     assert [text for text, _ in what] == ["joint/2 hangs for 3 s", "joint/2 goes on"]
     assert [t for _, t in what] == pytest.approx([5.0, 8.0], abs=1.0)
     for before, after in pairwise(robot.log("plant", "tick")):
@@ -78,14 +78,14 @@ def test_without_the_platform_the_arm_goes_as_far_as_it_reaches(robot: Robot) ->
     code, said = robot.run(*SPEED, "--kill", "platform@5")
     assert code == 3
     assert "out of reach" in said
-    tracking = robot.summary["verdict"]["tracking"]
+    tracking = robot.summary["evaluation"]["tracking"]
     assert 0.2 < tracking["nearest"] <= tracking["final"] < tracking["nearest"] + 0.1
 
 
 def test_chaos_kills_revives_and_breaks_by_the_clock_of_the_plant(robot: Robot) -> None:
     code, said = robot.run(*SPEED, file="arph-faults.yaml")
     assert code == 0, said
-    what = [(event["text"], event["t"]) for event in robot.summary["happenings"]]
+    what = [(event["text"], event["t"]) for event in robot.summary["events"]]
     assert [text.partition(", obeyed after ")[0] for text, _ in what] == [
         "fault joint/1:locked",
         "joint/2 was killed by SIGKILL",
@@ -223,6 +223,4 @@ def test_a_run_can_be_repeated_from_its_folder(robot: Robot) -> None:
     assert again == ["msma", "launch", str(first / "deployment.yaml")]
     robot.msma(*again[1:])
     assert robot.run_folder != first
-    assert [event["text"] for event in robot.summary["happenings"]] == [
-        "joint/4 was killed by SIGKILL"
-    ]
+    assert [event["text"] for event in robot.summary["events"]] == ["joint/4 was killed by SIGKILL"]

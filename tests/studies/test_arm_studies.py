@@ -13,8 +13,8 @@ from plant.faults import Fault
 from plant.kinematics import Kinematics
 from plant.urdf import load
 from studies import no_model, study_verb
+from studies.agent_team import AgentTeam, Meeting, reach
 from studies.broken_joints import PAPER_BROKEN, PAPER_START, paper_case, ten_pairs
-from studies.crew import Crew, Meeting, reach
 from studies.encoder_faults import one as with_encoder_fault
 from studies.no_model import Case, all_cases, seven
 from studies.no_model import one as without_model
@@ -110,8 +110,8 @@ def test_the_same_seed_gives_the_same_run() -> None:
 
 
 def test_each_agent_out_of_step_acts_once_a_period() -> None:
-    crew = Crew(ARM, seed=0, meeting=Meeting(ticks=5, out_of_step=True))
-    assert crew._phase == [0, 1, 2, 3, 4]
+    processes = AgentTeam(ARM, seed=0, meeting=Meeting(ticks=5, out_of_step=True))
+    assert processes._phase == [0, 1, 2, 3, 4]
 
 
 REPORT = Report(

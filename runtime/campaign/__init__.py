@@ -1,0 +1,1 @@
+"""Many runs of one deployment with random faults, and what they show."""

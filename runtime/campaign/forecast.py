@@ -1,0 +1,159 @@
+"""Whether a goal stays in reach when processes are hit, before anything is started.
+
+Two answers, of which one suffices. A *witness*: the deployment's own agents, in step with the
+plant's own model, silent while their processes are down, end within the tolerance. *Geometry*: with
+the joints lost for good where they came to rest in that run, some posture of the others puts the
+hand on the goal, from anywhere if the platform is alive and else from where it stopped. Geometry
+knows nothing of how the agents decide, so what they merely fail at counts as within reach. Joints
+that never moved are taken to be held on purpose.
+"""
+
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from agents.agent import Agent, Array, Joints, Percepts
+from agents.paths import Path
+from plant.faults import Fault
+from plant.motion import Commands
+from plant.simulator import Simulator
+from runtime.chaos.schedule import Due, Schedule
+from runtime.config.chaos import ChaosEvent
+from runtime.config.deployment import Deployment
+from runtime.results.reach import nearest
+from runtime.wire.topics import GOAL_SOURCE, PLATFORM_AGENT
+
+_COARSEST = 0.02  # [s]: a faster plant is stepped at this period
+_STILL = 0.001  # [rad]: a joint that turned less than that did not move
+_STARTING = 0.7  # [s] that a process takes to start
+
+
+class Forecast(NamedTuple):
+    """How a run would end.
+
+    error: how far the hand is from where the path leads [m]
+    misled: how far the goal as it is told is from there [m], when its source was lost
+    nearest: how near any controller could bring the hand to the goal as it is told [m]
+    """
+
+    error: float
+    misled: float
+    nearest: float
+
+    def in_reach(self, tolerance: float) -> bool:
+        """Tell whether the goal can be reached to within a tolerance [m]."""
+        return self.error <= tolerance or max(self.misled, self.nearest) <= tolerance
+
+
+def forecast(deployment: Deployment, path: Path, duration: float) -> Forecast:
+    """Step a deployment through its chaos for `duration` [s], in one process and in no real time.
+
+    Networks do not break in a forecast.
+    """
+    deployment = replace(deployment, period=max(deployment.period, _COARSEST))
+    processes = _AgentTeam(deployment)
+    start, robot = deployment.start, deployment.description.robot
+    plant = Simulator(
+        robot, np.array(start.joints), np.array(start.base), period=deployment.period
+    )  # fmt: skip
+    schedule = Schedule(_late(deployment.chaos, _STARTING * deployment.speed))
+    goal = path.piece(0.0)
+    moved = np.zeros(robot.n)
+    for _ in range(round(duration / deployment.period)):
+        for due in schedule.due(plant.state.t):
+            processes.hit(due)
+            if due.event.fault is not None:
+                plant.inject(Fault.parse(due.event.fault, robot))
+        if processes.is_there(GOAL_SOURCE):
+            goal = path.piece(plant.state.t)
+        sighting, encoders = plant.localiser(), plant.encoders()
+        percepts = Percepts(
+            plant.state.t,
+            hand=None if sighting is None else sighting.position,
+            joints=Joints(encoders.q, encoders.qd),
+            base=plant.state.base if robot.drive else None,
+            goal=goal,
+        )
+        plant.step(processes.decide(percepts, robot.n))
+        moved = np.maximum(moved, np.abs(plant.state.q - start.joints))
+    told, meant = goal.at(duration), path.piece(duration).at(duration)
+    locked = {fault.target for fault in plant.faults if fault.kind in ("locked", "limp")}
+    drives = processes.is_there(PLATFORM_AGENT) and PLATFORM_AGENT not in locked
+    roams = robot.drive is not None and drives
+    return Forecast(
+        error=_distance(plant.hand().position, meant),
+        misled=_distance(told, meant),
+        nearest=nearest(
+            robot,
+            told,
+            plant.state.base,
+            plant.state.q,
+            stuck=[
+                i for i in range(robot.n) if moved[i] < _STILL or _is_stuck(i, processes, locked)
+            ],
+            roams=roams,
+        ),
+    )
+
+
+def _late(events: Iterable[ChaosEvent], starting: float) -> list[ChaosEvent]:
+    """Return the events, with processes there only after the time that they take to start [s]."""
+    return [
+        event if event.revive is None else replace(event, at=event.at + starting)
+        for event in events
+    ]
+
+
+def _is_stuck(joint: int, processes: "_AgentTeam", locked: set[str]) -> bool:
+    role = f"joint/{joint + 1}"
+    return role in locked or not processes.is_there(role)
+
+
+def _distance(here: Array, there: Array) -> float:
+    return float(np.linalg.norm(here - there))
+
+
+class _AgentTeam:
+    """The agents and the goal source of a deployment, and who of them is there."""
+
+    def __init__(self, deployment: Deployment) -> None:
+        self._deployment = deployment
+        self._living = Counter(member.role for member in deployment.processes)
+        self._hung: Counter[str] = Counter()
+        self._agents: dict[str, Agent] = {
+            agent.role: deployment.build_agent(agent.role) for agent in deployment.agents
+        }
+
+    def is_there(self, role: str) -> bool:
+        """Tell whether any process of a role is alive and does not hang."""
+        return self._living[role] > self._hung[role]
+
+    def hit(self, due: Due) -> None:
+        """Let an event begin or end."""
+        event = due.event
+        if event.hang is not None:
+            self._hung[event.hang] += -1 if due.over else 1
+        elif event.revive is not None:
+            if not self.is_there(event.revive) and event.revive in self._agents:
+                self._agents[event.revive] = self._deployment.build_agent(event.revive)
+            self._living[event.revive] += 1
+        elif (role := event.kill or event.stop) is not None:
+            self._living[role] = max(self._living[role] - 1, 0)
+
+    def decide(self, percepts: Percepts, joints: int) -> Commands:
+        """Return what those who are there command; the others' joints rest."""
+        velocities, base = np.zeros(joints), np.zeros(2)
+        for spec in self._deployment.agents:
+            if not self.is_there(spec.role):
+                continue
+            wanted = self._agents[spec.role].decide(percepts)
+            if wanted is None:
+                continue
+            if spec.joint is None:
+                base[:] = wanted
+            else:
+                velocities[spec.joint] = float(wanted)
+        return Commands(velocities, base)

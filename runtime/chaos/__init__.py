@@ -1,0 +1,1 @@
+"""Fault injection during a run: the schedule, and what carries it out."""

@@ -1,0 +1,172 @@
+"""Carrying out chaos: to processes by signals, to the robot by asking the plant, to the network."""
+
+import os
+import signal
+import subprocess
+import time
+from collections.abc import Callable
+from typing import Protocol
+
+from runtime.chaos.schedule import Due
+from runtime.config.chaos import LAUNCHER, WATCHER, ChaosEvent
+from runtime.config.deployment import Deployment
+from runtime.config.tree import ConfigError
+from runtime.errors import RunError
+from runtime.processes.log_writer import LogWriter
+from runtime.spawning.local import ProcessGroup, send
+from runtime.watching.local import watchers
+from runtime.watching.watcher import Watcher
+
+_ANSWER = 0.5  # [s] to wait for the answer to a request
+
+
+class Network(Protocol):
+    """What joins the hosts of a run, if it can be cut and slowed down."""
+
+    def begin(self, event: ChaosEvent) -> None:
+        """Begin a partition, a delay or a loss for the event's hosts."""
+
+    def end(self, event: ChaosEvent) -> None:
+        """End what `begin` began for that event: as if it had never been."""
+
+
+def check_means(deployment: Deployment, network: Network | None) -> None:
+    """Raise `ConfigError` if nothing here can carry out what the deployment's chaos wants."""
+    for index, event in enumerate(deployment.chaos):
+        if event.action in event.of_network and network is None:
+            raise ConfigError(
+                f"chaos.{index}.{event.action}: {event.target}: these processes run on a network "
+                f"that cannot be broken from here; only a rehearsal of hosts on one machine can"
+            )
+
+
+class FaultInjector:
+    """Carries out what a schedule says is due.
+
+    log: gets a line for each thing that was done, with the plant time of `watcher`
+    show: is told what others log as well, by a text for people
+    happened: is told what nobody else logs
+    start_successor: called with plant time [s] before the launcher, if this is it, kills itself
+    """
+
+    def __init__(
+        self,
+        deployment: Deployment,
+        children: ProcessGroup,
+        watcher: Watcher,
+        log: LogWriter,
+        *,
+        show: Callable[[str], None],
+        happened: Callable[[str], None],
+        start_successor: Callable[[float], None] | None = None,
+        network: Network | None = None,
+    ) -> None:
+        self._deployment = deployment
+        self._children, self._watcher, self._network = children, watcher, network
+        self._bequeath = start_successor
+        self._journal, self._show, self._happened = log, show, happened
+        self.hung: dict[ChaosEvent, list[int]] = {}
+
+    def carry_out(self, due: Due) -> None:
+        """Let an event begin, or end, and say what came of it."""
+        event = due.event
+        if event.hosts:
+            self._to_network(event, due.over)
+        elif due.over:
+            self._resume(event)
+        elif event.kill is not None:
+            if event.kill == LAUNCHER and self._bequeath is not None:
+                self._bequeath(due.at)
+            self._kill(event.kill)
+        elif event.hang is not None:
+            self._hang(event, event.hang)
+        elif event.stop is not None:
+            self._stop(event.stop)
+        elif event.revive is not None:
+            self._revive(event.revive)
+        elif event.fault is not None:
+            self._break(event.fault)
+
+    def _kill(self, role: str) -> None:
+        pids = self._pids(role)
+        if not pids:
+            self._happened(f"{role} is not there to be killed")
+            return
+        self._note("kill", role, pids=pids)
+        self._send(role, pids, signal.SIGKILL)
+
+    def _hang(self, event: ChaosEvent, role: str) -> None:
+        pids = self._pids(role)
+        if not pids:
+            self._happened(f"{role} is not there to be hung")
+            return
+        lasting = "" if event.for_ is None else f" for {event.for_:g} s"
+        self._happened(f"{role} hangs{lasting}")
+        self._note("hang", role, pids=pids)
+        if os.getpid() in pids and event.for_ is not None:  # who hangs cannot wake itself
+            waking = f"sleep {event.for_ / self._deployment.speed:f}; kill -CONT {os.getpid()}"
+            subprocess.Popen(["sh", "-c", waking], start_new_session=True)
+        else:
+            self.hung[event] = pids
+        self._send(role, pids, signal.SIGSTOP)
+
+    def _revive(self, role: str) -> None:
+        called = round(time.time(), 6)  # starting it is a part of what its return takes
+        try:
+            pid = self._children.revive(role, self._deployment.host_of(role))
+        except RunError as error:
+            self._happened(f"{role} cannot be started again: {error}")
+        else:
+            self._note("revive", role, wall=called, pids=[pid])
+            self._show(f"{role} is started again")
+
+    def _resume(self, event: ChaosEvent) -> None:
+        pids = self.hung.pop(event, [])
+        if not pids:
+            return
+        self._note("wake", event.target, pids=pids)
+        self._send(event.target, pids, signal.SIGCONT)
+        self._happened(f"{event.target} goes on")
+
+    def _send(self, role: str, pids: list[int], number: signal.Signals) -> None:
+        for pid in pids:
+            if role in (LAUNCHER, WATCHER):
+                send(pid, number)
+            else:
+                self._children.send(role, pid, number)
+
+    def _note(self, action: str, target: str, **more: object) -> None:
+        """Log what is about to be done, at once: who does it may be the next to go."""
+        t = self._watcher.look().t
+        self._journal.write(t, "chaos", action=action, target=target, **more)
+        self._journal.flush()
+
+    def _pids(self, role: str) -> list[int]:
+        """Return the process of a role, of copies the one that is obeyed; none if it is gone."""
+        if role == LAUNCHER:
+            return [] if self._bequeath is None else [os.getpid()]
+        if role == WATCHER:
+            return watchers(self._deployment.robot)
+        return self._children.obeyed(role)
+
+    def _stop(self, role: str) -> None:
+        heard = self._watcher.stop(role, _ANSWER)
+        self._happened(f"{role} {'is asked to stop' if heard else 'does not hear of a stop'}")
+
+    def _break(self, fault: str) -> None:
+        answers = self._watcher.fault(fault, _ANSWER)
+        if answers and answers[0].agreed:
+            self._note("fault", fault)
+            self._show(f"fault {fault}")
+        else:
+            why = answers[0].data.decode(errors="replace") if answers else "no plant heard it"
+            self._happened(f"no fault {fault}: {why}")
+
+    def _to_network(self, event: ChaosEvent, over: bool) -> None:
+        if self._network is None:
+            return  # it was refused before anything was started
+        (self._network.end if over else self._network.begin)(event)
+        self._note(event.action, event.target, over=over)
+        what = {"partition": "cut off", "delay": "slowed down", "loss": "made to lose packets"}
+        verb = "are" if len(event.hosts) > 1 else "is"
+        self._happened(f"{event.target} {verb} {'no longer ' if over else ''}{what[event.action]}")

@@ -1,0 +1,86 @@
+"""Carries out what is left of a run's chaos once its launcher has killed itself.
+
+Run as `python -m runtime.chaos.successor RUN T`: what is due after plant time T [s].
+"""
+
+import os
+import secrets
+import signal
+import sys
+import time
+from pathlib import Path
+
+from runtime.chaos.injector import FaultInjector
+from runtime.chaos.schedule import Schedule
+from runtime.config.deployment import Deployment, load
+from runtime.processes.lifetime import Lifetime
+from runtime.processes.log_writer import LogWriter
+from runtime.results.logs import read_log
+from runtime.spawning.local import LocalProcesses, send
+from runtime.spawning.tasks import spawn
+from runtime.watching.table import say
+from runtime.watching.watcher import Watcher
+from runtime.wire.bus import Bus
+from runtime.wire.security import OPERATOR
+from runtime.wire.topics import PLANT
+
+_TURN = 0.02  # [s] between two looks at plant time
+
+
+def start_successor(run: Path, t: float) -> None:
+    """Start a successor for what is due after plant time `t` [s]; it outlives this process."""
+    spawn("runtime.chaos.successor", [str(run), repr(t)], run / "successor.out")
+
+
+def inherit(run: Path, t: float) -> None:
+    """Go on with the chaos of a run after plant time `t` [s], until its end."""
+    deployment = load(run / "deployment.yaml", only_role=PLANT)
+    schedule = Schedule(deployment.chaos)
+    begun = {due.event for due in schedule.due(t) if not due.over}
+    log = LogWriter(run, "successor")
+    log.write(t, "start", role="successor", pid=os.getpid())
+    log.flush()
+    children = LocalProcesses(run)
+    place, credentials = deployment.mesh.visitor(), deployment.credentials(OPERATOR)
+    with Bus(deployment.robot, "successor", place, secrets.randbits(63), credentials) as bus:
+        watcher = Watcher(bus)
+        injector = FaultInjector(deployment, children, watcher, log, show=say, happened=say)
+        for event in begun:
+            if event.hang is not None:
+                injector.hung[event] = _hung(run, event.hang)
+        try:
+            _stay(deployment, schedule, watcher, injector)
+        finally:
+            for pids in injector.hung.values():
+                for pid in pids:
+                    send(pid, signal.SIGKILL)  # nobody else would end who hangs
+            log.close()
+
+
+def _stay(
+    deployment: Deployment, schedule: Schedule, watcher: Watcher, injector: FaultInjector
+) -> None:
+    life = Lifetime(
+        patience=deployment.patience,
+        duration=deployment.duration,
+        speed=deployment.speed,
+        now=time.monotonic(),
+    )
+    view = watcher.look()
+    while not life.over(time.monotonic()) and not life.timed_out(time.monotonic()):
+        before, view = view.t, watcher.look()
+        if view.t != before:
+            life.plant_seen(view.t, time.monotonic())
+        for due in schedule.due(min(before, view.t)):
+            injector.carry_out(due)
+        time.sleep(_TURN)
+
+
+def _hung(run: Path, role: str) -> list[int]:
+    """Return the processes that the launcher hung last in a role, unless it woke them."""
+    done = [line for line in read_log(run, "launcher", "chaos") if line["target"] == role]
+    return done[-1]["pids"] if done and done[-1]["action"] == "hang" else []
+
+
+if __name__ == "__main__":
+    inherit(Path(sys.argv[1]), float(sys.argv[2]))

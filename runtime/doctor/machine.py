@@ -1,0 +1,130 @@
+"""What can be wrong with a machine before anything is started on it."""
+
+import os
+import resource
+import socket
+import sys
+import time
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from enum import Enum
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import NamedTuple
+
+from runtime.processes.scheduling import set_realtime
+from runtime.wire.mesh import LOOPBACK
+
+_LIBRARIES = {"eclipse-zenoh": (1, 10), "msgpack": (1,), "numpy": (1, 26), "pyyaml": (6,)}
+_PLOTS = "matplotlib"
+_FILES = 256  # descriptors: a process has sockets to all others
+_SLOW = 0.005  # [s] for there and back on the loopback device
+
+
+class Grade(Enum):
+    """How bad it is."""
+
+    OK = "ok"
+    WARN = "warn"
+    BAD = "bad"
+
+
+class Finding(NamedTuple):
+    """One thing that was looked at; the detail says what to do if it is not well."""
+
+    grade: Grade
+    what: str
+    detail: str
+
+
+def machine(runs: Path) -> Iterator[Finding]:
+    """Look at this machine; `runs` is the folder in which runs are recorded."""
+    yield _python()
+    for name, least in _LIBRARIES.items():
+        yield _library(name, least)
+    yield _plots()
+    yield _files()
+    yield _loopback()
+    yield _load()
+    yield _scheduling()
+    yield _folder(runs)
+
+
+def _python() -> Finding:
+    found = ".".join(map(str, sys.version_info[:3]))
+    return Finding(Grade.OK, "Python", f"{found}, {sys.executable}")
+
+
+def _library(name: str, least: tuple[int, ...]) -> Finding:
+    wanted = ".".join(map(str, least))
+    try:
+        found = version(name)
+    except PackageNotFoundError:
+        return Finding(Grade.BAD, name, f"is not installed; `pip install '{name}>={wanted}'`")
+    numbers = tuple(int(part) for part in found.split(".")[: len(least)] if part.isdigit())
+    if numbers < least:
+        return Finding(Grade.BAD, name, f"{found}; `pip install '{name}>={wanted}'`")
+    return Finding(Grade.OK, name, found)
+
+
+def _plots() -> Finding:
+    try:
+        return Finding(Grade.OK, _PLOTS, version(_PLOTS))
+    except PackageNotFoundError:
+        return Finding(Grade.WARN, _PLOTS, "no pictures of runs; `pip install 'msma[plots]'`")
+
+
+def _files() -> Finding:
+    soft, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
+    if 0 <= soft < _FILES:
+        return Finding(Grade.BAD, "open files", f"{soft} a process; `ulimit -n 1024` allows more")
+    return Finding(Grade.OK, "open files", "no limit" if soft < 0 else f"{soft} a process")
+
+
+def _loopback() -> Finding:
+    """Send something there and back, as all messages go."""
+    try:
+        with socket.create_server((LOOPBACK, 0)) as server:
+            address = server.getsockname()
+            with socket.create_connection(address, timeout=1.0) as here:
+                there, _ = server.accept()
+                with there:
+                    began = time.monotonic()
+                    here.sendall(b"?")
+                    there.sendall(there.recv(1))
+                    here.recv(1)
+                    took = time.monotonic() - began
+    except OSError as error:
+        return Finding(
+            Grade.BAD, "loopback", f"{LOOPBACK} does not work: {error}; `ip link set lo up`"
+        )
+    grade = Grade.WARN if took > _SLOW else Grade.OK
+    return Finding(grade, "loopback", f"there and back in {1e3 * took:.2f} ms")
+
+
+def _load() -> Finding:
+    cores, load = os.cpu_count() or 1, os.getloadavg()[0]
+    what = f"{cores} cores, load {load:.1f}"
+    if load > cores:
+        return Finding(Grade.WARN, "processors", f"{what}: busy; loops of 1 kHz may be late")
+    if cores < 2:
+        return Finding(Grade.WARN, "processors", f"{what}: loops of 1 kHz need two")
+    return Finding(Grade.OK, "processors", what)
+
+
+def _scheduling() -> Finding:
+    with ThreadPoolExecutor(1) as threads:  # what is granted is for one thread
+        granted = threads.submit(set_realtime).result()
+    if granted:
+        return Finding(Grade.OK, "scheduling", "a robot's processes go before other programs")
+    detail = "as any program; a line `USER - rtprio 1` in /etc/security/limits.conf lets a robot"
+    return Finding(Grade.OK, "scheduling", f"{detail} go before others")
+
+
+def _folder(runs: Path) -> Finding:
+    """See whether a folder can be made there, without leaving one."""
+    there = next(folder for folder in (runs, *runs.parents) if folder.exists())
+    if not there.is_dir() or not os.access(there, os.W_OK | os.X_OK):
+        detail = f"{runs} cannot be written; `--set runs=FOLDER` takes another"
+        return Finding(Grade.BAD, "run folder", detail)
+    return Finding(Grade.OK, "run folder", f"{runs} can be written")

@@ -1,0 +1,125 @@
+"""What an agent perceives: messages in, percepts out. Pure but for the clock it is handed."""
+
+from collections import deque
+from typing import TypeVar
+
+import numpy as np
+
+from agents.agent import Goal, Joints, Percepts
+from plant.robot import Robot
+from runtime.wire import topics
+from runtime.wire.arbitration import GoalInput, TopicInput
+from runtime.wire.fields import MessageError
+from runtime.wire.messages import EndEffectorPose, JointStates, PlatformPose
+from runtime.wire.refusals import Reason, Refusals
+from runtime.wire.samples import Sample
+
+S = TypeVar("S", EndEffectorPose, JointStates, PlatformPose)
+_KEPT = 6
+"""How many of each kind are kept, to find those that belong together."""
+
+
+class Perception:
+    """Keeps the newest of each kind, and gives what of it is fresh and of one moment.
+
+    What the plant tells of one moment comes as several messages. One that is a period older than
+    the others would show the hand a period's way off, and in motion where it is not.
+
+    robot: whose joints the joint states must be of
+    fresh: how long what arrived is worth perceiving [s]
+    t: the moment that was told of last by what calls for a decision [s]
+    """
+
+    def __init__(self, robot: Robot, fresh: float, refusals: Refusals) -> None:
+        n = robot.n
+
+        def of_this_robot(states: JointStates) -> None:
+            if len(states.position) != n:
+                raise MessageError(
+                    Reason.WRONG_LENGTH, f"{len(states.position)} joints, and the robot has {n}"
+                )
+
+        self._hand = TopicInput(topics.HAND, EndEffectorPose, fresh, refusals)
+        self._joints = TopicInput(topics.JOINTS, JointStates, fresh, refusals, of_this_robot)
+        self._base = TopicInput(topics.PLATFORM, PlatformPose, fresh, refusals)
+        self._goal = GoalInput(fresh, refusals)
+        self._hands: deque[EndEffectorPose] = deque(maxlen=_KEPT)
+        self._states: deque[JointStates] = deque(maxlen=_KEPT)
+        self._bases: deque[PlatformPose] = deque(maxlen=_KEPT)
+        self._refusals = refusals
+        self._goal_known: tuple[tuple[object, ...], Goal] | None = None
+        self.t = 0.0
+
+    def take(self, arrival: Sample, now: float) -> bool:
+        """Take what arrived `now` [s]; tell whether it calls for a decision.
+
+        The joint states do, which the plant sends last of all it knows of one moment, and in
+        their absence the hand's pose.
+        """
+        match arrival.key:
+            case topics.JOINTS:
+                return self._calls(self._keep(self._joints.take(arrival.data, now), self._states))
+            case topics.HAND:
+                seen = self._keep(self._hand.take(arrival.data, now), self._hands)
+                return self._joints.fresh(now) is None and self._calls(seen)
+            case topics.PLATFORM:
+                self._keep(self._base.take(arrival.data, now), self._bases)
+            case topics.GOAL | topics.KNOWN_GOAL:
+                self._goal.take(arrival.key, arrival.data, now)
+            case stranger:
+                self._refusals.count_unknown(stranger)
+        return False
+
+    def _keep(self, message: S | None, kept: deque[S]) -> S | None:
+        if message is not None:
+            kept.append(message)
+        return message
+
+    def _calls(self, message: EndEffectorPose | JointStates | None) -> bool:
+        if message is None:
+            return False
+        self.t = message.t
+        return True
+
+    def percepts(self, now: float) -> Percepts | None:
+        """Return what is fresh `now` [s], and the goal, which never goes stale; None if blind."""
+        hand, states = self._hand.fresh(now), self._joints.fresh(now)
+        base = self._base.fresh(now)
+        if hand is None and states is None:
+            return None
+        moments = [seen.t for seen in (hand, states, base) if seen is not None]
+        t, moment = max(moments), min(moments)
+        if t != moment:
+            hand = hand and _of(moment, hand, self._hands)
+            states = states and _of(moment, states, self._states)
+            base = base and _of(moment, base, self._bases)
+            t = max([seen.t for seen in (hand, states, base) if seen is not None])
+        return Percepts(
+            t,
+            np.array(hand.position) if hand else None,
+            Joints(np.array(states.position), np.array(states.velocity)) if states else None,
+            np.array((base.x, base.y, base.heading)) if base else None,
+            self._goal_in_force(now),
+        )
+
+    def _goal_in_force(self, now: float) -> Goal | None:
+        """A goal does not go stale: it stands still from its `until` on."""
+        message = self._goal.obeyed(now)
+        if message is None:
+            return None
+        piece = message[1:-2]
+        if self._goal_known is None or self._goal_known[0] != piece:
+            position, velocity, since, until = piece
+            goal = Goal(np.array(position), np.array(velocity), since, until)
+            self._goal_known = (piece, goal)
+        return self._goal_known[1]
+
+
+def _of(moment: float, newest: S, kept: deque[S]) -> S:
+    """Return what the same process said of a moment [s], or the newest if nothing is kept."""
+    if newest.t == moment:
+        return newest
+    for message in kept:
+        if message.t == moment and message.by == newest.by:
+            return message
+    return newest

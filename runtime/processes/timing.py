@@ -1,0 +1,110 @@
+"""When a loop acts: at a fixed rate, when a decision is due, and on which of several states."""
+
+import math
+import time
+from collections.abc import Callable
+
+_AT_A_TIME = 0.1  # [s] of sleep, so that the end is noticed in between
+
+
+class Pacer:
+    """Waits for one deadline after another, a period apart.
+
+    After an overrun, or when the process was stopped for a while, it starts afresh from there:
+    what was missed is not made up for.
+
+    period: [s] on the clock
+    missed: how many deadlines were given up
+    """
+
+    def __init__(
+        self,
+        period: float,
+        clock: Callable[[], float] = time.monotonic,
+        sleep: Callable[[float], None] = time.sleep,
+    ) -> None:
+        self.missed = 0
+        self._period, self._clock, self._sleep = period, clock, sleep
+        self._deadline = clock()
+
+    def wait(self, ended: Callable[[], bool] = lambda: False) -> float:
+        """Wait for the next deadline, or until it has `ended`; return what the clock says [s]."""
+        self._deadline += self._period
+        now = self._clock()
+        if now - self._deadline >= self._period:
+            self.missed += int((now - self._deadline) / self._period)
+            self._deadline = now
+        while (left := self._deadline - now) > 0 and not ended():
+            self._sleep(min(left, _AT_A_TIME))
+            now = self._clock()
+        return now
+
+
+_GOLDEN = (math.sqrt(5) - 1) / 2
+
+
+def apart(number: int) -> float:
+    """Return the phase, 0 to 1, of whoever has that number: the phases of any few lie far apart.
+
+    Were they drawn, of seven agents some would think at the same of ten states in nearly every
+    run, and whatever is to be answered then would be late all along. Multiples of the golden ratio
+    spread evenly, however many there are (Knuth 1998, "The Art of Computer Programming", 6.4).
+    """
+    return _GOLDEN * number % 1.0
+
+
+class Cadence:
+    """Tells when a new decision is of use, of an agent that is asked more often than that.
+
+    The plant's time is cut into spells, from a moment of the agent's own, so that not all think at
+    once, neither in the beginning nor after something has held them all up.
+
+    rest: how long a spell is [s]; 0 if every decision is of use
+    phase: where in a spell the plant's time begins, 0 to 1
+    """
+
+    def __init__(self, rest: float, phase: float) -> None:
+        self._rest, self._phase = rest, phase
+        self._spell: int | None = None
+
+    def due(self, t: float) -> bool:
+        """Tell whether plant time `t` [s] is the first that is asked about in its spell."""
+        if self._rest == 0:
+            return True
+        before, self._spell = self._spell, math.floor(t / self._rest + self._phase)
+        return self._spell != before
+
+
+class Backlog:
+    """Tells by the stamps of the plant's states which ones a newer one has overtaken already.
+
+    A state that comes while the one before was being answered has waited. If by its stamp it is
+    some periods older than those were that came soonest, so many others wait behind it. Were each
+    of them answered, one delay would make many answers late.
+
+    period: between two states, of the plant's time [s]
+    speed: of the plant's time in real time
+    """
+
+    def __init__(self, period: float, speed: float) -> None:
+        self._period, self._speed = period / speed, speed
+        self._t, self._soonest = math.inf, 0.0  # the last state's, and real time less plant time
+        self._passed = self._most = 0  # by in a row, and how many there were to pass by
+
+    def overtaken(self, t: float, now: float, *, waited: bool) -> bool:
+        """Tell whether a newer state than that of `t` [s], taken `now` [s], must be there."""
+        lead = now - t / self._speed
+        if t <= self._t:  # a plant that waits, or another one
+            self._soonest = lead
+        self._t, self._soonest = t, min(lead, self._soonest)
+        behind = int((lead - self._soonest) / self._period)
+        if not waited or behind == 0:
+            self._passed = 0
+            return False
+        if self._passed == 0:
+            self._most = behind
+        elif self._passed == self._most:  # and it is no newer: the plant has lost time
+            self._passed, self._soonest = 0, lead
+            return False
+        self._passed += 1
+        return True

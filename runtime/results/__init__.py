@@ -1,0 +1,1 @@
+"""What is left of a run: logs, evaluation, summary and plots."""

@@ -1,0 +1,110 @@
+"""A picture of a run: the ways of hand and platform, and the error with what went wrong."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from textwrap import shorten
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
+
+from agents.agent import Array
+from runtime.config.deployment import Deployment
+from runtime.launching.launcher import RunEvent
+from runtime.results.evaluation import goals
+from runtime.results.run_log import RunLog
+
+# Okabe and Ito's colours, which people with any colour vision tell apart
+_HAND, _GOAL, _PLATFORM, _CHAOS = "#0072B2", "#000000", "#E69F00", "#D55E00"
+_HEADINGS = 13  # arrows along the platform's way
+_POINTS = 2000  # enough for a line of this size
+_LONGEST = 48  # letters of what happened that leave room for the rest
+
+
+def draw(record: RunLog, deployment: Deployment, events: Sequence[RunEvent], file: Path) -> None:
+    """Write the picture of a run as PNG."""
+    thin = np.unique(np.linspace(0, len(record.t) - 1, _POINTS).astype(int))
+    goal = None if deployment.goal is None else goals(deployment.goal.build(), record.t)
+    figure = Figure(figsize=(10, 7), layout="constrained")
+    FigureCanvasAgg(figure)
+    figure.suptitle(
+        f"{deployment.robot}: {record.t[-1]:g} s at a period of {deployment.period:g} s"
+    )
+    grid = figure.add_gridspec(2, 2, width_ratios=(1, 1.2))
+    _draw_above(figure.add_subplot(grid[:, 0]), record, thin, goal)
+    above = figure.add_subplot(grid[0, 1])
+    above.plot(record.t[thin], record.hand[thin, 2], color=_HAND, lw=2.5, label="hand")
+    if goal is not None:
+        above.plot(record.t[thin], goal[thin, 2], color=_GOAL, ls="--", lw=1, label="goal")
+    above.set(ylabel="height [m]")
+    above.legend()
+    below = figure.add_subplot(grid[1, 1], sharex=above)
+    if goal is not None:
+        error = np.linalg.norm(record.hand - goal, axis=-1)
+        _draw_error(below, record.t, error, deployment.tolerance)
+    below.set(xlabel="plant time [s]", ylabel="error of the hand [mm]")
+    _mark(above, below, events, float(record.t[-1]))
+    figure.savefig(file, dpi=110)
+
+
+def _draw_above(axes: Axes, record: RunLog, thin: Array, goal: Array | None) -> None:
+    """Draw hand and platform as seen from above."""
+    hand, base = record.hand[thin], record.base[thin]
+    axes.plot(*hand[:, :2].T, color=_HAND, lw=2.5, label="hand")
+    if goal is not None:
+        axes.plot(*goal[thin, :2].T, color=_GOAL, ls="--", lw=1, label="goal")
+    if np.any(base != base[0]):
+        axes.plot(*base[:, :2].T, color=_PLATFORM, label="platform and heading")
+        at = base[np.linspace(0, len(base) - 1, _HEADINGS).astype(int)]
+        axes.quiver(
+            *at[:, :2].T,
+            np.cos(at[:, 2]),
+            np.sin(at[:, 2]),
+            color=_PLATFORM,
+            angles="xy",
+            scale=14,
+            width=0.008,
+        )
+    axes.plot(*hand[-1, :2], "o", color=_HAND)
+    axes.set(xlabel="x [m]", ylabel="y [m]", title="from above")
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.09), ncols=3, frameon=False)
+
+
+def _draw_error(axes: Axes, t: Array, error: Array, tolerance: float) -> None:
+    shown = np.maximum(1e3 * error, 1e-3)
+    axes.semilogy(t, shown, color=_HAND, lw=1)
+    axes.set_ylim(shown.min() / 1.5, 8 * max(shown.max(), 1e3 * tolerance))  # room for words
+    axes.yaxis.set_major_formatter("{x:g}")
+    axes.yaxis.set_minor_formatter(NullFormatter())
+    axes.axhline(1e3 * tolerance, color=_GOAL, ls=":", lw=1)
+    axes.annotate(
+        f"tolerance {1e3 * tolerance:g} mm",
+        (1, 1e3 * tolerance),
+        xycoords=("axes fraction", "data"),
+        ha="right",
+        va="bottom",
+        fontsize="small",
+    )
+
+
+def _mark(above: Axes, below: Axes, events: Sequence[RunEvent], end: float) -> None:
+    """Mark what happened in both, with words in the lower one, on the side with more room."""
+    for index, one in enumerate(events):
+        for axes in (above, below):
+            axes.axvline(one.t, color=_CHAOS, lw=1)
+        left = one.t > end / 2
+        below.annotate(
+            shorten(one.text.partition(",")[0], _LONGEST),  # it is said elsewhere, in full
+            (one.t, 0.98 - 0.06 * (index % 6)),
+            xycoords=("data", "axes fraction"),
+            xytext=(-3 if left else 3, 0),
+            textcoords="offset points",
+            color=_CHAOS,
+            ha="right" if left else "left",
+            va="top",
+            fontsize="small",
+            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.5},
+        )

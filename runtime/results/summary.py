@@ -1,0 +1,262 @@
+"""What is said at the end of a run: to people as text, to programs as `summary.json`."""
+
+import json
+import math
+import shlex
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from runtime.config.deployment import Deployment
+from runtime.launching.launcher import RunEvent, RunOutcome
+from runtime.processes.lifetime import FAILED, INTERRUPTED, OK
+from runtime.results.evaluation import SETTLING, Evaluation, PlatformMotion, Tracking
+from runtime.results.logs import read_log
+from runtime.results.run_log import RunLog
+from runtime.watching.roster import Row
+from runtime.watching.table import columns, distance, milliseconds
+from runtime.wire.fields import Spread
+from runtime.wire.topics import PLANT
+
+MISSED = 3
+"""Exit code of a run that went to its end without reaching the goal."""
+
+
+@dataclass(frozen=True)
+class ProcessSummary:
+    """One role's processes.
+
+    Attributes:
+        pids: Of each that ran in the role, the last one last.
+        restarts: How often one was started again.
+        rate: Turns of the loop a second at the end [Hz].
+        answer: Median, 99 % and worst time to answer the plant [s]; None if it does not.
+        refused: Key to reason to how many messages the last one refused.
+    """
+
+    role: str
+    host: str
+    pids: tuple[int, ...]
+    restarts: int
+    rate: float
+    answer: Spread | None
+    refused: Mapping[str, Mapping[str, int]]
+
+
+@dataclass(frozen=True)
+class Summary:
+    """How a run went.
+
+    Attributes:
+        robot: Its name.
+        code: The exit code.
+        headline: The outcome in one sentence.
+        tolerance: How near the goal is near enough [m].
+        evaluation: None if the plant logged nothing.
+        events: What went wrong or was mended on the way, in the order of plant time.
+        again: The command that repeats the run.
+    """
+
+    robot: str
+    code: int
+    headline: str
+    tolerance: float
+    evaluation: Evaluation | None
+    events: tuple[RunEvent, ...]
+    processes: tuple[ProcessSummary, ...]
+    run: Path
+    again: str
+
+    def to_json(self) -> str:
+        """Return all of it, in SI units."""
+        plain = asdict(self) | {
+            "run": str(self.run),
+            "events": [one._asdict() for one in self.events],
+        }
+        for process in plain["processes"]:
+            process["answer"] = process["answer"] and process["answer"]._asdict()
+        return json.dumps(plain, indent=2) + "\n"
+
+    def text(self) -> str:
+        """Return it for people."""
+        lines = [f"{self.robot}: {self.headline}", *columns(self._facts()), ""]
+        table = [("role", "pid", "host", "restarts", "loop Hz", "answer ms", "refused")]
+        lines += [f"  {line}" for line in columns(table + [_line(one) for one in self.processes])]
+        lines += ["", f"  answer: median/99 %/worst. All in {self.run}", f"  again: {self.again}"]
+        return "\n".join(lines)
+
+    def _facts(self) -> list[tuple[str, str]]:
+        facts = []
+        if self.evaluation and self.evaluation.tracking:
+            facts += _of_hand(self.evaluation.tracking, self.tolerance)
+        if self.evaluation and self.evaluation.platform:
+            facts += _of_platform(self.evaluation.platform)
+        for joint in self.evaluation.joints if self.evaluation else ():
+            if "elbow" in joint.name:
+                end, least = (math.degrees(abs(a)) for a in (joint.final, joint.straightest))
+                what = f"{end:.1f} deg off straight at the end, {least:.1f} deg at least"
+                facts.append((f"  {joint.name}", what))
+        facts += [(f"  {one.t:.2f} s", one.text) for one in self.events]
+        return facts
+
+
+def summarise(
+    deployment: Deployment,
+    run: Path,
+    course: RunOutcome,
+    record: RunLog | None,
+    evaluation: Evaluation | None,
+    again: Sequence[str] = (),
+) -> Summary:
+    """Put together how the run in the folder `run` went.
+
+    again: the options with which `msma launch` repeats it
+    """
+    code, headline = _outcome(deployment, course, record, evaluation)
+    return Summary(
+        robot=deployment.robot,
+        code=code,
+        headline=headline,
+        tolerance=deployment.tolerance,
+        evaluation=evaluation,
+        events=tuple(sorted([*course.events, *_logged(deployment, run, record)])),
+        processes=tuple(_processes(deployment, run, course)),
+        run=run,
+        again=shlex.join(["msma", "launch", str(run / "deployment.yaml"), *again]),
+    )
+
+
+def _outcome(
+    deployment: Deployment, course: RunOutcome, record: RunLog | None, evaluation: Evaluation | None
+) -> tuple[int, str]:
+    """Return the exit code, and why."""
+    if course.host not in (None, deployment.plant.host):
+        return _of_share(course.host, course)
+    if record is None or evaluation is None:
+        failed = INTERRUPTED if course.code == INTERRUPTED else FAILED
+        return failed, f"the robot never moved: {course.reason}"
+    end = record.end
+    if course.code == INTERRUPTED:
+        return INTERRUPTED, f"interrupted at {evaluation.t:.2f} s"
+    if deployment.duration is not None and evaluation.t < deployment.duration - 1e-9:
+        when = f"at {evaluation.t:.2f} s of {deployment.duration:g} s"
+        if course.view.t > deployment.duration - 1e-9:
+            return FAILED, f"the plant went on, but its log ends {when}: is the disk full?"
+        why = end.get("reason", "its process was killed")
+        code = FAILED if end.get("code", FAILED) == FAILED else INTERRUPTED
+        return code, f"the plant ended {when}: {why}"
+    if evaluation.tracking is None:
+        return OK, f"ran to {evaluation.t:.2f} s"
+    return _reached(evaluation.tracking, evaluation.t, deployment.tolerance)
+
+
+def _of_share(host: str, course: RunOutcome) -> tuple[int, str]:
+    """Return how a host fared that does not have the plant, so that it cannot evaluate the run."""
+    t = course.view.t
+    if course.code == INTERRUPTED:
+        return INTERRUPTED, f"the share of {host} was interrupted at {t:.2f} s"
+    if t == 0:
+        return FAILED, f"the share of {host} saw no plant move: is its host's share started?"
+    return OK, f"the share of {host} ran to {t:.2f} s; the host of the plant judges the run"
+
+
+def _reached(tracking: Tracking, t: float, tolerance: float) -> tuple[int, str]:
+    off = f"the hand is {distance(tracking.final)} off at {t:.2f} s"
+    if tracking.nearest is None:
+        return OK, f"goal reached: {off}, within {distance(tolerance)}"
+    if tracking.nearest > tolerance:
+        miss = distance(tracking.nearest)
+        return MISSED, f"goal missed: {off}; it is {miss} out of reach from where the platform is"
+    return MISSED, f"goal missed: {off}, though the arm could reach it from where the platform is"
+
+
+def _of_hand(tracking: Tracking, tolerance: float) -> list[tuple[str, str]]:
+    share = f"{100 * tracking.within:.1f} % of that time"
+    within = f"within {distance(tolerance)} for {share}"
+    if tracking.since is not None:
+        within += f", for good since {tracking.since:.2f} s"
+    return [
+        ("  hand", f"{distance(tracking.worst)} off at worst after {SETTLING:g} s"),
+        ("", within),
+    ]
+
+
+def _of_platform(platform: PlatformMotion) -> list[tuple[str, str]]:
+    backwards = "went backwards" if platform.reversed else "never went backwards"
+    heading, hand, yaw = (
+        f"{math.degrees(angle):.1f} deg"
+        for angle in (platform.heading, platform.to_hand, platform.arm_yaw)
+    )
+    return [
+        ("  platform", f"{backwards}: {platform.least_speed:.3f} m/s at least"),
+        ("", f"heading {heading}; the hand {hand} off it, joint 1 at {yaw}"),
+    ]
+
+
+def _logged(deployment: Deployment, run: Path, record: RunLog | None) -> Iterator[RunEvent]:
+    """Yield what broke in the robot, and who was started again, by the logs."""
+    if record is None:
+        return
+    for event in record.events:
+        if event["event"] == "fault":
+            yield RunEvent(event["t"], f"fault {event['fault']}")
+    for role, count in Counter(member.role for member in deployment.processes).items():
+        for again in read_log(run, role, "start")[count:]:
+            text = f"{role} was started again{_obeyed(run, record, again)}"
+            yield RunEvent(record.t_at(again["wall"]), text)
+
+
+def _obeyed(run: Path, record: RunLog, started: Mapping[str, Any]) -> str:
+    """Return how soon a process was obeyed: after it was called for, if the launcher did that."""
+    said = (e for e in record.events if e["event"] == "obeys" and e["by"] == started["by"])
+    obeyed = next(said, None)
+    if obeyed is None:
+        return ""
+    called = (
+        line["wall"]
+        for line in read_log(run, "launcher", "chaos")
+        if (line["action"], line["target"]) == ("revive", started["role"])
+    )
+    began = max((wall for wall in called if wall <= started["wall"]), default=started["wall"])
+    return f", obeyed after {obeyed['wall'] - began:.2f} s"
+
+
+def _processes(deployment: Deployment, run: Path, course: RunOutcome) -> list[ProcessSummary]:
+    rows: dict[str, Row] = {row.role: row for row in course.view.rows}
+    plant = rows.get(PLANT)
+    answers = plant.diag.answers if plant is not None and plant.diag is not None else {}
+    processes = []
+    members = [one for one in deployment.processes if course.host in (None, one.host)]
+    for role, count in Counter(one.role for one in members).items():
+        diag = rows[role].diag if role in rows else None
+        pids = tuple(line["pid"] for line in read_log(run, role, "start"))
+        processes.append(
+            ProcessSummary(
+                role=role,
+                host="" if diag is None else diag.host,
+                pids=pids,
+                restarts=max(len(pids) - count, 0),
+                rate=0.0 if diag is None else diag.rate,
+                answer=answers.get(role),
+                refused={} if diag is None else diag.refused,
+            )
+        )
+    return processes
+
+
+def _line(process: ProcessSummary) -> tuple[str, ...]:
+    counts: dict[str, int] = {}
+    for reasons in process.refused.values():
+        for reason, count in reasons.items():
+            counts[reason] = counts.get(reason, 0) + count
+    return (
+        process.role,
+        str(process.pids[-1]) if process.pids else "",
+        process.host,
+        str(process.restarts),
+        f"{process.rate:.4g}",
+        milliseconds(process.answer, worst=True) if process.answer else "",
+        ", ".join(f"{count} {reason}" for reason, count in counts.items()) or "0",
+    )

@@ -1,0 +1,201 @@
+"""Where the processes of a robot begin: as copies of one that has imported what they need.
+
+To run Python anew takes 0.2 s, nearly all of it for imports; a copy is there after milliseconds.
+And all have the same at the same addresses, so what a processor has learned of one serves the next.
+"""
+
+import gc
+import json
+import os
+import select
+import signal
+import socket
+import sys
+import traceback
+from collections.abc import Callable
+from contextlib import suppress
+from functools import partial
+from importlib import import_module
+from pathlib import Path
+from typing import Self
+
+from setproctitle import setproctitle
+
+from runtime import cli
+from runtime.spawning.tasks import LOST, ChildProcess, Task, start
+from runtime.wire import topics
+
+_AGENTS = "an agent"
+_NEEDED = {
+    _AGENTS: ("runtime.processes.agent_process", "agents.joint", "agents.platform"),
+    topics.PLANT: ("runtime.processes.plant_process",),
+    topics.GOAL_SOURCE: ("runtime.processes.goal_process",),
+}
+"""What a role's process imports besides the verb."""
+_LONGEST = 1 << 16  # [bytes] of a question
+_PATIENCE = 30.0  # [s] for the forkserver to answer, which may have to import all first
+
+
+class ForkServer:
+    """Starts processes that outlive this one, for as long as it is open.
+
+    It is a process by itself, begun as a copy of this one. Only a process of one thread can be
+    copied, so make it before a bus is joined: later, or where it has been killed, each process
+    runs Python anew. It decides nothing, and ends with whoever made it.
+
+    role: of all that it will start, so that nobody waits for what others need; None: any
+    """
+
+    def __init__(self, role: str | None = None) -> None:
+        self._line: socket.socket | None = None
+        if not _can_be_copied():
+            return
+        self._line, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        self._pid = copied(partial(_tend, role, self._line, theirs))
+        theirs.close()
+        self._line.settimeout(_PATIENCE)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Let it end; what it started goes on."""
+        if self._line is not None:
+            self._line.close()
+            self._line = None
+            os.kill(self._pid, signal.SIGKILL)
+            os.waitpid(self._pid, 0)
+
+    def start(self, task: Task) -> ChildProcess:
+        """Start a process; `OSError` if what it has to say cannot be written."""
+        task.out.touch()  # nobody would hear of it from a copy
+        pid = self.ask("start", str(task.run), task.role, task.copy)
+        return start(task) if pid is None else _Copy(self, pid)
+
+    def ask(self, *words: str | int | None) -> int | None:
+        """Return the number that the forkserver answers; None if it is not there."""
+        if self._line is None:
+            return None
+        try:
+            self._line.send(json.dumps(words).encode())
+            answer = self._line.recv(_LONGEST)
+        except OSError:
+            answer = b""
+        if not answer:  # it was killed, or stopped
+            self.close()
+            return None
+        number: int = json.loads(answer)
+        return number
+
+
+class _Copy:
+    """A process that began as a copy of the forkserver.
+
+    Its id is its own until `poll` has returned its exit code, for it is reaped no sooner.
+    """
+
+    def __init__(self, forkserver: ForkServer, pid: int) -> None:
+        self.pid = pid
+        self._nursery = forkserver
+        self._handle: int | None = os.pidfd_open(pid)
+        self._code: int | None = None
+
+    def poll(self) -> int | None:
+        """Return its exit code, negative for a signal; None while it lives."""
+        if self._handle is not None and _is_readable(self._handle):  # which it is once it has ended
+            os.close(self._handle)
+            self._handle = None
+            code = self._nursery.ask("reap", self.pid)
+            self._code = LOST if code is None else code
+        return self._code
+
+
+def import_needed(role: str | None = None) -> None:
+    """Import what the process of a role needs, or of any, so that the copies need not."""
+    import_module("runtime.verbs.agent")
+    for modules in _NEEDED.values() if role is None else [_NEEDED.get(role, _NEEDED[_AGENTS])]:
+        for module in modules:
+            import_module(module)
+
+
+def _is_readable(handle: int) -> bool:
+    poll = select.poll()
+    poll.register(handle, select.POLLIN)
+    return bool(poll.poll(0))
+
+
+def copied(do: Callable[[], int]) -> int:
+    """Return the id of a copy of this process that does that, and ends with the code it returns."""
+    sys.stdout.flush()
+    sys.stderr.flush()
+    if pid := os.fork():
+        return pid
+    code = 1
+    try:
+        code = do()
+    except BaseException as error:
+        code = error.code if isinstance(error, SystemExit) and type(error.code) is int else 1
+        traceback.print_exc()
+    finally:
+        with suppress(OSError, ValueError):
+            sys.stdout.flush()
+            sys.stderr.flush()
+        os._exit(code)
+
+
+def _can_be_copied() -> bool:
+    """Tell whether this process has one thread only, and the system tells when any process ends.
+
+    False where that cannot be found out.
+    """
+    try:
+        os.close(os.pidfd_open(os.getpid()))
+        return len(os.listdir("/proc/self/task")) == 1
+    except (AttributeError, OSError):
+        return False
+
+
+def _tend(role: str | None, ours: socket.socket, line: socket.socket) -> int:
+    """Be the forkserver: do what is asked for until nobody can ask any more.
+
+    role: see `ForkServer`; ours: the other end, which is for who made the forkserver
+    """
+    ours.close()
+    _leave_the_parent(Path(os.devnull))
+    setproctitle("msma forkserver")
+    import_needed(role)
+    gc.freeze()  # so that collecting garbage does not make the copies' memory their own
+    while question := line.recv(_LONGEST):
+        match json.loads(question):
+            case "start", run, role, copy:
+                number = copied(partial(_do, Task(role, Path(run), copy), line))
+            case "reap", pid:
+                number = os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1])
+        line.send(json.dumps(number).encode())
+    return 0
+
+
+def _do(task: Task, line: socket.socket) -> int:
+    """Do a task, as a process by itself."""
+    line.close()
+    _leave_the_parent(task.out)
+    shown = task.arguments[:3] + ["--copy"] * (task.copy is not None)
+    setproctitle(" ".join(("msma", *shown)))
+    return cli.main(task.arguments)
+
+
+def _leave_the_parent(out: Path) -> None:
+    """Become a process of one's own: session, signals and streams."""
+    os.setsid()
+    signal.set_wakeup_fd(-1)
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.SIG_DFL)
+    nothing = os.open(os.devnull, os.O_RDONLY)
+    written = os.open(out, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644)
+    for here, there in ((nothing, 0), (written, 1), (written, 2)):
+        os.dup2(here, there)
+    os.close(nothing)
+    os.close(written)

@@ -1,0 +1,174 @@
+"""A host's share of a run, for a launcher that is elsewhere: told what to do line by line.
+
+Each line on input is an order, each on output an answer or something that happened, both JSON.
+It is the same over ssh and in a rehearsal; `shares.py` is the other end.
+"""
+
+import base64
+import json
+import os
+import select
+import shutil
+import signal
+import sys
+import time
+from collections.abc import Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from plant.errors import MsmaError
+from runtime.chaos.schedule import FORCE, Escalation
+from runtime.config.deployment import ProcessSpec, load
+from runtime.spawning.local import LocalProcesses
+from runtime.tls.key_files import KEYS, write
+
+_TURN = 0.02  # [s] between two looks at the processes
+_CHUNK = 48 * 1024  # [bytes] of a file that go in one line
+_ASKED_TO_END = "asked to end"
+
+
+def serve(*, stays: bool) -> int:
+    """Do what is asked for on standard input, and return the exit code.
+
+    stays: whether to look after the processes when nobody asks any more, until they have ended;
+        otherwise it ends then, and so do they
+    """
+    share = _HostServer()
+    try:
+        return _serve(share, stays)
+    finally:
+        share.forget_keys()
+
+
+def _serve(share: "_HostServer", stays: bool) -> int:
+    signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, lambda *_: share.end())
+    waiting = b""
+    while True:
+        share.look()
+        if share.ended:
+            return 0
+        if not select.select([sys.stdin], [], [], _TURN)[0]:
+            continue
+        data = os.read(sys.stdin.fileno(), 1 << 16)
+        if not data:
+            break
+        *lines, waiting = (waiting + data).split(b"\n")
+        for line in lines:
+            share.obey(json.loads(line))
+    while stays and share.processes and not share.ended:
+        share.look()
+        time.sleep(_TURN)
+    return 0
+
+
+class _HostServer:
+    """The processes of this host, and their folder."""
+
+    def __init__(self) -> None:
+        self.processes: LocalProcesses | None = None
+        self.ended = False
+        self._run = Path()
+        self._own_folder = False
+
+    def obey(self, order: Mapping[str, Any]) -> None:
+        """Carry out an order; what cannot be done is said."""
+        try:
+            getattr(self, f"_{order['do']}")(**{k: v for k, v in order.items() if k != "do"})
+        except (MsmaError, OSError) as error:
+            self._say("refused", why=str(error))
+
+    def look(self) -> None:
+        """Say who has ended."""
+        for one in self.processes.ended() if self.processes is not None else ():
+            self._say("ended", role=one.role, pid=one.pid, code=one.code, said_last=one.said)
+
+    def end(self) -> None:
+        """End all processes, by force in the end."""
+        escalation = Escalation(time.monotonic(), FORCE)
+        while self.processes:
+            for means in escalation.due(time.monotonic()):
+                self.processes.signal(signal.Signals[means.value])
+            self.look()
+            time.sleep(_TURN)
+        self.ended = True
+
+    def forget_keys(self) -> None:
+        """Remove the keys that came from elsewhere."""
+        if self._own_folder:
+            shutil.rmtree(self._run / KEYS, ignore_errors=True)
+
+    def _begin(
+        self, run: str, deployment: str | None = None, keys: Mapping[str, str] | None = None
+    ) -> None:
+        """Take the run's folder; with a deployment make it, for it is nobody else's.
+
+        keys: files for it that are gone as soon as nothing runs here any more
+        """
+        self._run = Path(run).absolute()
+        if deployment is not None:
+            self._run.mkdir(parents=True)
+            self._own_folder = True
+            plain = yaml.safe_load(deployment)
+            if not Path(plain["modules"]).is_dir():  # no class is from there, or it will be missed
+                plain["modules"] = str(self._run)
+            file = self._run / "deployment.yaml"
+            file.write_text(yaml.safe_dump(plain, sort_keys=False), encoding="utf-8")
+            self._take_keys(keys or {})
+            load(file)
+        self.processes = LocalProcesses(self._run)
+        self._say("began")
+
+    def _start(self, processes: list[tuple[str, str, bool]]) -> None:
+        assert self.processes is not None
+        self.processes.start(ProcessSpec(*one) for one in processes)
+        roles = dict.fromkeys(role for role, _, _ in processes)
+        self._say("started", pids=[(role, pid) for role in roles for pid in self._pids(role)])
+
+    def _take_keys(self, keys: Mapping[str, str]) -> None:
+        if keys:
+            write(self._run / KEYS, keys)
+
+    def _revive(self, role: str, home: str, copy: bool, keys: Mapping[str, str]) -> None:
+        assert self.processes is not None
+        self._take_keys(keys)
+        self._say("started", pids=[(role, self.processes.revive(role, home, copy=copy))])
+
+    def _pids(self, role: str) -> list[int]:
+        assert self.processes is not None
+        return self.processes.pids(role)
+
+    def _signal(self, number: int, role: str | None, pid: int | None) -> None:
+        """Send a signal to a process, if it is still there; without a role to all."""
+        assert self.processes is not None
+        if role is None:
+            self.processes.signal(signal.Signals(number))
+        elif pid is not None:
+            self.processes.send(role, pid, signal.Signals(number))
+
+    def _bring(self) -> None:
+        """Send what was written, and leave nothing."""
+        assert self.processes is not None
+        self.processes.tidy()
+        self.forget_keys()
+        for path in sorted(self._run.iterdir()):
+            with path.open("rb") as stream:
+                while data := stream.read(_CHUNK):
+                    self._say("file", name=path.name, data=base64.b64encode(data).decode())
+        self._say("brought")
+        if self._own_folder:
+            shutil.rmtree(self._run)
+            with suppress(OSError):  # others are in them
+                self._run.parent.rmdir()
+                self._run.parent.parent.rmdir()
+        self.ended = True
+
+    def _say(self, what: str, **more: object) -> None:
+        """Send a line, into nothing if nobody reads any more."""
+        line = json.dumps({"said": what, **more}).encode() + b"\n"
+        with suppress(BrokenPipeError):
+            while line:
+                line = line[os.write(sys.stdout.fileno(), line) :]

@@ -1,0 +1,162 @@
+"""The launcher's own processes: it started them, so it can tell how they end, and end them."""
+
+import os
+import signal
+import time
+from collections.abc import Iterable
+from contextlib import suppress
+from pathlib import Path
+from typing import NamedTuple, Protocol
+
+from runtime.config.deployment import ProcessSpec
+from runtime.spawning.forkserver import ForkServer
+from runtime.spawning.tasks import LOST, ChildProcess, Task
+from runtime.watching.local import logged, obeyed_in
+
+_DYING = 1.0  # [s] for a killed process to be gone
+
+
+class ProcessExit(NamedTuple):
+    """A process that has ended.
+
+    code: its exit code, negative for a signal
+    said: the last thing it said
+    """
+
+    role: str
+    pid: int
+    code: int
+    said: str
+
+    @property
+    def how(self) -> str:
+        """What became of it, for people."""
+        if self.code == LOST:
+            return f"is out of reach: {self.said}"
+        if self.code < 0:
+            with suppress(ValueError):
+                return f"was killed by {signal.Signals(-self.code).name}"
+            return f"was killed by signal {-self.code}"
+        return "ended" if self.code == 0 else f"ended with code {self.code}: {self.said}"
+
+
+def send(pid: int, number: signal.Signals) -> None:
+    """Send a signal to a process of this machine, if it is still there.
+
+    One that is killed is waited for, so that its port is free for who takes its place.
+    """
+    with suppress(ProcessLookupError):
+        os.kill(pid, number)
+    until = time.monotonic() + _DYING
+    while number is signal.SIGKILL and lives(pid) and time.monotonic() < until:
+        time.sleep(0.001)
+
+
+def lives(pid: int) -> bool:
+    """Tell whether a process of this machine has not quite ended, down to its last thread."""
+    try:
+        threads = list(Path(f"/proc/{pid}/task").glob("*/stat"))
+        states = [stat.read_text().rpartition(")")[2].split()[0] for stat in threads]
+    except OSError:
+        return False
+    return any(state not in ("Z", "X") for state in states)
+
+
+class ProcessGroup(Protocol):
+    """The processes that were started for a run, here or elsewhere."""
+
+    def start(self, processes: Iterable[ProcessSpec]) -> None:
+        """Start some processes, all at once."""
+
+    def revive(self, role: str, home: str) -> int:
+        """Start one more process for a role whose host is `home`, and return its id.
+
+        It is a copy if others have the role, or one that hangs; `RunError` if it cannot be.
+        """
+
+    def obeyed(self, role: str) -> list[int]:
+        """Return the id of a role's process, of copies that of the one obeyed; none if none is."""
+
+    def send(self, role: str, pid: int, number: signal.Signals) -> None:
+        """Send a signal to one of a role's processes."""
+
+    def signal(self, number: signal.Signals) -> None:
+        """Send a signal to all that live."""
+
+    def ended(self) -> list[ProcessExit]:
+        """Return those that were found to have ended since this was last asked."""
+
+    def __len__(self) -> int:
+        """Return how many live."""
+
+    def tidy(self) -> None:
+        """Gather what they wrote, once all have ended."""
+
+
+class LocalProcesses:
+    """All processes that were started for a run, the former ones of a role as well.
+
+    Make it before a bus is joined: see `ForkServer`.
+
+    run: its folder
+    """
+
+    def __init__(self, run: Path) -> None:
+        self.run = run
+        self._nursery = ForkServer()
+        self._living: list[tuple[Task, ChildProcess]] = []
+        self._outs: set[Path] = set()
+
+    def start(self, processes: Iterable[ProcessSpec]) -> None:
+        """Start some processes, all at once."""
+        for role, host, copy in processes:
+            self._start(Task(role, self.run, host if copy else None))
+
+    def revive(self, role: str, home: str, *, copy: bool = False) -> int:
+        """Start one more process for a role, and return its id; see `ProcessGroup`."""
+        copy = copy or bool(logged(self.run, role))
+        return self._start(Task(role, self.run, home if copy else None)).pid
+
+    def _start(self, task: Task) -> ChildProcess:
+        self._outs.add(task.out)
+        child = self._nursery.start(task)
+        self._living.append((task, child))
+        return child
+
+    def pids(self, role: str) -> list[int]:
+        """Return the ids of a role's processes, the one that was started last at the end."""
+        return [child.pid for task, child in self._living if task.role == role]
+
+    def obeyed(self, role: str) -> list[int]:
+        """Return the id of a role's process, of copies that of the one obeyed; none if none is."""
+        obeyed = obeyed_in(self.run, role)
+        return self.pids(role)[-1:] if obeyed is None else [obeyed]
+
+    def send(self, role: str, pid: int, number: signal.Signals) -> None:
+        """Send a signal to one of a role's processes, if it is still there."""
+        send(pid, number)
+
+    def signal(self, number: signal.Signals) -> None:
+        """Send a signal to all that live: by their ids, which are theirs until `ended` says so."""
+        for _, child in self._living:
+            os.kill(child.pid, number)
+
+    def ended(self) -> list[ProcessExit]:
+        """Return those that were found to have ended since this was last asked."""
+        polled = [(task, child, child.poll()) for task, child in self._living]
+        self._living = [(task, child) for task, child, code in polled if code is None]
+        return [
+            ProcessExit(task.role, child.pid, code, task.said)
+            for task, child, code in polled
+            if code is not None
+        ]
+
+    def __len__(self) -> int:
+        return len(self._living)
+
+    def tidy(self) -> None:
+        """Remove the files of those who said nothing; no more are started then."""
+        self._nursery.close()
+        for out in self._outs:
+            if out.exists() and out.stat().st_size == 0:
+                out.unlink()

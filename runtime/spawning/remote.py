@@ -1,0 +1,236 @@
+"""The processes of a run on several hosts, each told what to do by a line: see `share.py`."""
+
+import base64
+import json
+import math
+import queue
+import signal
+import subprocess
+import threading
+import time
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from runtime.config.deployment import ProcessSpec, load
+from runtime.errors import RunError
+from runtime.spawning.local import ProcessExit
+from runtime.spawning.tasks import LOST
+from runtime.tls.key_files import moved, of_roles
+from runtime.wire.topics import PLANT
+
+_PATIENCE = 20.0  # [s] for a host to answer at first
+_ANSWER = 2.0  # [s] for one to do as it is told later on
+_LEAVE = 2.0  # [s] for the other end to go when it is asked no more
+
+
+class _Host:
+    """One host: orders go out, and what it says comes in by a thread of its own."""
+
+    def __init__(self, name: str, process: "subprocess.Popen[bytes]", out: Path) -> None:
+        self.name, self.process, self._out = name, process, out
+        self.pids: list[tuple[str, int]] = []
+        self._said: queue.SimpleQueue[dict[str, Any]] = queue.SimpleQueue()
+        self._kept: list[dict[str, Any]] = []  # what came while something else was awaited
+        threading.Thread(target=self._listen, daemon=True).start()
+
+    def _listen(self) -> None:
+        assert self.process.stdout is not None
+        for line in self.process.stdout:
+            with suppress(ValueError):  # what is no JSON is a greeting of the host
+                self._said.put(json.loads(line))
+        self._said.put({"said": "gone"})
+
+    def tell(self, do: str, **more: object) -> None:
+        """Give an order; one that nobody hears is lost with the host."""
+        assert self.process.stdin is not None
+        with suppress(OSError):
+            self.process.stdin.write(json.dumps({"do": do, **more}).encode() + b"\n")
+            self.process.stdin.flush()
+
+    def await_(
+        self,
+        wanted: str,
+        take: Callable[[dict[str, Any]], None] | None = None,
+        timeout: float = _PATIENCE,
+    ) -> None:
+        """Wait until it says that; `take` gets what else it says, or else it is kept."""
+        until = time.monotonic() + timeout
+        while True:
+            try:
+                said = self._said.get(timeout=max(until - time.monotonic(), 0.0))
+            except queue.Empty:
+                raise RunError(f"host {self.name} does not answer") from None
+            if said["said"] in ("gone", "refused"):
+                self._kept.append(said)
+                raise RunError(f"host {self.name}: {said.get('why') or self.complaint()}")
+            if said["said"] == "started":
+                self.pids += [(role, pid) for role, pid in said["pids"]]
+            if said["said"] == wanted:
+                return
+            (take or self._kept.append)(said)
+
+    def news(self) -> list[dict[str, Any]]:
+        """Return what it has said."""
+        news, self._kept = self._kept, []
+        with suppress(queue.Empty):
+            while True:
+                news.append(self._said.get_nowait())
+        return news
+
+    def lose(self, why: str) -> list[ProcessExit]:
+        """Give up all processes there, and return them as ended."""
+        lost = [ProcessExit(role, pid, LOST, f"host {self.name}: {why}") for role, pid in self.pids]
+        self.pids.clear()
+        return lost
+
+    def complaint(self) -> str:
+        """Return what was said last of why it is gone."""
+        with suppress(OSError):
+            lines = self._out.read_text(encoding="utf-8", errors="replace").split("\n")
+            told = (line.strip() for line in reversed(lines))
+            # the latter is all that `unshare` says if what it runs is killed
+            return next((line for line in told if line and "sigprocmask" not in line), "it is gone")
+        return "it is gone"
+
+
+class RemoteProcesses:
+    """All processes of a run, wherever they are; stands for `LocalProcesses`.
+
+    hosts: what speaks for each host, on its standard input and output
+    away: whether the hosts do not see the run's folder, and need one of their own
+    """
+
+    def __init__(
+        self,
+        run: Path,
+        hosts: "Mapping[str, subprocess.Popen[bytes]]",
+        *,
+        away: bool,
+    ) -> None:
+        self._run, self._away = run, away
+        self._given_up = math.inf  # when those who do not answer count as lost
+        self._hosts = {
+            name: _Host(name, process, out_of(run, name)) for name, process in hosts.items()
+        }
+
+    def start(self, processes: Iterable[ProcessSpec]) -> None:
+        """Start some processes, on all hosts at once; `RunError` if one cannot."""
+        for host in self._hosts.values():
+            if self._away:  # two hosts may be one machine
+                run = f"runs/{host.name}/{self._run.name}"
+                host.tell("begin", run=run, **self._luggage(host.name))
+            else:
+                host.tell("begin", run=str(self._run))
+        for host in self._hosts.values():
+            host.await_("began")
+        shares: dict[str, list[ProcessSpec]] = {}
+        for one in processes:
+            shares.setdefault(one.host, []).append(one)
+        for name, share in shares.items():
+            self._hosts[name].tell("start", processes=share)
+        for name in shares:
+            self._hosts[name].await_("started")
+
+    def _luggage(self, host: str) -> dict[str, object]:
+        """Return what a host with a folder of its own needs in it: the deployment, and its keys."""
+        deployment = load(self._run / "deployment.yaml", only_role=PLANT)
+        roles = [one.role for one in deployment.processes if one.host == host]
+        text = (self._run / "deployment.yaml").read_text(encoding="utf-8")
+        keys = of_roles(deployment, roles)
+        return {"deployment": moved(text) if keys else text, "keys": keys}
+
+    def _keys(self, role: str) -> dict[str, str]:
+        """Return the keys of a role, for a host that may not have them."""
+        return of_roles(load(self._run / "deployment.yaml", only_role=PLANT), [role])
+
+    def revive(self, role: str, home: str) -> int:
+        """Start one more process for a role, and return its id on its host; see `ProcessGroup`.
+
+        If its host is dead, it is started on the next that lives, as a copy.
+        """
+        names = list(self._hosts)
+        first = names.index(home)
+        living = [
+            name
+            for name in (*names[first:], *names[:first])
+            if self._hosts[name].process.poll() is None
+        ]
+        if not living:
+            raise RunError("no host is left")
+        host = self._hosts[living[0]]
+        beside = living[0] != home or bool(self.obeyed(role))
+        keys = self._keys(role) if self._away else {}
+        host.tell("revive", role=role, home=living[0], copy=beside, keys=keys)
+        host.await_("started", timeout=_ANSWER)
+        return host.pids[-1][1]
+
+    def obeyed(self, role: str) -> list[int]:
+        """Return the id of a role's process, of copies that of the one on the last host."""
+        pids = [pid for host in self._hosts.values() for one, pid in host.pids if one == role]
+        return pids[-1:]
+
+    def send(self, role: str, pid: int, number: signal.Signals) -> None:
+        """Send a signal to one of a role's processes."""
+        having = [host for host in self._hosts.values() if (role, pid) in host.pids]
+        for host in having[-1:]:
+            host.tell("signal", number=int(number), role=role, pid=pid)
+
+    def signal(self, number: signal.Signals) -> None:
+        """Send a signal to all that live."""
+        for host in self._hosts.values():
+            host.tell("signal", number=int(number), role=None, pid=None)
+        if number == signal.SIGKILL:
+            self._given_up = time.monotonic() + _ANSWER
+
+    def ended(self) -> list[ProcessExit]:
+        """Return those that were found to have ended since this was last asked."""
+        ended = []
+        for host in self._hosts.values():
+            for said in host.news():
+                if said["said"] == "ended":
+                    who = said["role"], said["pid"]
+                    host.pids.remove(who)
+                    ended.append(ProcessExit(*who, said["code"], said["said_last"]))
+                elif said["said"] == "gone":
+                    ended += host.lose(host.complaint())
+            if time.monotonic() > self._given_up:
+                ended += host.lose("it does not answer, so what runs there ends by itself")
+        return ended
+
+    def __len__(self) -> int:
+        return sum(len(host.pids) for host in self._hosts.values())
+
+    def tidy(self) -> None:
+        """Bring back what the hosts have written, leave nothing there, and let them go."""
+        for host in self._hosts.values():
+            if self._away and host.process.poll() is None:
+                host.tell("bring")
+                with suppress(RunError):  # what it wrote stays there
+                    host.await_("brought", self._keep)
+        for host in self._hosts.values():
+            assert host.process.stdin is not None
+            with suppress(OSError):
+                host.process.stdin.close()
+        until = time.monotonic() + _LEAVE
+        for host in self._hosts.values():
+            try:
+                host.process.wait(max(until - time.monotonic(), 0.0))
+            except subprocess.TimeoutExpired:
+                host.process.kill()
+                host.process.wait()
+        for out in self._run.glob("*.out"):
+            if out.stat().st_size == 0:
+                out.unlink()
+
+    def _keep(self, said: dict[str, Any]) -> None:
+        name = Path(said.get("name", "")).name
+        if said["said"] == "file" and name not in ("", "deployment.yaml"):
+            with (self._run / name).open("ab") as stream:
+                stream.write(base64.b64decode(said["data"]))
+
+
+def out_of(run: Path, host: str) -> Path:
+    """Return the file for what comes from a host beside answers, such as ssh's complaints."""
+    return run / f"host-{host}.out"

@@ -1,0 +1,84 @@
+"""Starting processes that outlive whoever starts them, and knowing when they end.
+
+Each runs `msma agent FILE ROLE --run RUN` in a session of its own, reads nothing and writes to a
+file, so that neither a Ctrl-C nor the death of its parent reaches it.
+"""
+
+import os
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple, Protocol
+
+from runtime.wire.topics import file_name
+
+LOST = 255
+"""Stands for the exit code of a process of which nobody here can say how it ended."""
+
+_SOURCES = Path(__file__).parents[2]
+
+
+class Task(NamedTuple):
+    """What a process is to do: its role in a run.
+
+    copy: the host on which it stands by for another in that role; None if it is the first
+    run: the folder of the run, which holds `deployment.yaml` and takes what is logged
+    """
+
+    role: str
+    run: Path
+    copy: str | None = None
+
+    @property
+    def file(self) -> Path:
+        """The run's deployment as resolved."""
+        return self.run / "deployment.yaml"
+
+    @property
+    def arguments(self) -> list[str]:
+        """What `msma` is called with."""
+        words = ["agent", str(self.file), self.role, "--run", str(self.run)]
+        return words if self.copy is None else [*words, "--copy", "--host", self.copy]
+
+    @property
+    def out(self) -> Path:
+        """Where it writes what it has to say."""
+        return self.run / f"{file_name(self.role)}.out"
+
+    @property
+    def said(self) -> str:
+        """What it said last, in one line."""
+        try:
+            text = self.out.read_text(encoding="utf-8", errors="replace")
+        except OSError:
+            return ""
+        return next((line.strip() for line in reversed(text.split("\n")) if line.strip()), "")
+
+
+class ChildProcess(Protocol):
+    """A process that was started, by its id."""
+
+    pid: int
+
+    def poll(self) -> int | None:
+        """Return its exit code, negative for a signal; None while it lives."""
+
+
+def start(task: Task) -> ChildProcess:
+    """Start a process by running Python anew: always possible, and takes about 0.3 s."""
+    return spawn("runtime.cli", task.arguments, task.out)
+
+
+def spawn(module: str, arguments: Sequence[str], out: Path) -> "subprocess.Popen[bytes]":
+    """Run a module of ours in a process that outlives this one, and writes to a file."""
+    path = os.pathsep.join(filter(None, (str(_SOURCES), os.environ.get("PYTHONPATH"))))
+    with out.open("ab") as stream:
+        return subprocess.Popen(
+            [sys.executable, "-P", "-m", module, *arguments],
+            stdin=subprocess.DEVNULL,
+            stdout=stream,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+            env={**os.environ, "PYTHONPATH": path},
+        )

@@ -1,0 +1,1 @@
+"""Certificates and private keys: making, moving and verifying them."""

@@ -1,0 +1,133 @@
+"""Making certificates: an authority, and a key pair for each name, in a folder."""
+
+import ipaddress
+from collections.abc import Iterable, Sequence
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+from typing import NamedTuple
+
+from cryptography import x509
+from cryptography.hazmat.primitives import hashes, serialization
+from cryptography.hazmat.primitives.asymmetric import ec
+from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
+
+from runtime.errors import RunError
+from runtime.tls.key_files import write
+from runtime.wire.security import Credentials
+
+_SLACK = timedelta(days=1)  # by which the clocks of hosts may differ, or be late
+
+
+class Pair(NamedTuple):
+    """A certificate and its private key, both as PEM."""
+
+    certificate: str
+    private_key: str
+
+
+class Authority:
+    """Signs certificates, as long as this object lives: its private key is written nowhere.
+
+    days: for which it is good, and what it signs
+    """
+
+    def __init__(self, robot: str, days: float) -> None:
+        self._key = ec.generate_private_key(ec.SECP256R1())
+        self._name = _name(f"authority of {robot}")
+        self._end = datetime.now(UTC) + timedelta(days=days)
+        usage = _usage(key_cert_sign=True, crl_sign=True)
+        own = self._builder(self._name, self._key, datetime.now(UTC) - _SLACK, self._end)
+        own = own.add_extension(x509.BasicConstraints(ca=True, path_length=0), critical=True)
+        own = own.add_extension(usage, critical=True)
+        self.certificate = _pem(own.sign(self._key, hashes.SHA256()))
+
+    def issue(
+        self,
+        name: str,
+        addresses: Iterable[str],
+        begin: datetime | None = None,
+        end: datetime | None = None,
+    ) -> Pair:
+        """Return a new key pair of a name, for a process that is reached at these addresses.
+
+        It is good from a day ago, for clocks differ, until the authority's own end, unless other
+        times are given.
+        """
+        key = ec.generate_private_key(ec.SECP256R1())
+        both = [ExtendedKeyUsageOID.SERVER_AUTH, ExtendedKeyUsageOID.CLIENT_AUTH]
+        issuer = x509.AuthorityKeyIdentifier.from_issuer_public_key(self._key.public_key())
+        begin = begin or datetime.now(UTC) - _SLACK
+        builder = self._builder(_name(name), key, begin, end or self._end)
+        for extension, critical in (
+            (x509.BasicConstraints(ca=False, path_length=None), True),
+            (_usage(digital_signature=True), True),
+            (x509.ExtendedKeyUsage(both), False),
+            (x509.SubjectAlternativeName([_address(one) for one in addresses]), False),
+            (issuer, False),
+        ):
+            builder = builder.add_extension(extension, critical=critical)
+        private = key.private_bytes(
+            serialization.Encoding.PEM,
+            serialization.PrivateFormat.PKCS8,
+            serialization.NoEncryption(),
+        )
+        return Pair(_pem(builder.sign(self._key, hashes.SHA256())), private.decode())
+
+    def _builder(
+        self, name: x509.Name, key: ec.EllipticCurvePrivateKey, begin: datetime, end: datetime
+    ) -> x509.CertificateBuilder:
+        """Return the start of a certificate."""
+        public = key.public_key()
+        identifier = x509.SubjectKeyIdentifier.from_public_key(public)
+        builder = x509.CertificateBuilder(self._name, name, public, x509.random_serial_number())
+        builder = builder.not_valid_before(begin).not_valid_after(end)
+        return builder.add_extension(identifier, critical=False)
+
+
+def _name(text: str) -> x509.Name:
+    return x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, text)])
+
+
+def _usage(**uses: bool) -> x509.KeyUsage:
+    every = (
+        "digital_signature",
+        "content_commitment",
+        "key_encipherment",
+        "data_encipherment",
+        "key_agreement",
+        "key_cert_sign",
+        "crl_sign",
+        "encipher_only",
+        "decipher_only",
+    )
+    return x509.KeyUsage(**(dict.fromkeys(every, False) | uses))
+
+
+def _address(text: str) -> x509.GeneralName:
+    try:
+        return x509.IPAddress(ipaddress.ip_address(text))
+    except ValueError:
+        return x509.DNSName(text)
+
+
+def _pem(certificate: x509.Certificate) -> str:
+    return certificate.public_bytes(serialization.Encoding.PEM).decode()
+
+
+def write_keys(
+    folder: Path, authority: Authority, names: Iterable[str], addresses: Sequence[str]
+) -> None:
+    """Make a key pair for each name and write them to a folder, with the authority's certificate.
+
+    Only their owner can read the folder, if it is made, and the private keys. Raises `RunError`
+    if they cannot be written.
+    """
+    files = {Credentials(folder, "", ()).authority.name: authority.certificate}
+    for name in names:
+        pair, where = authority.issue(name, addresses), Credentials(folder, name, ())
+        files[where.certificate.name] = pair.certificate
+        files[where.private_key.name] = pair.private_key
+    try:
+        write(folder, files)
+    except OSError as error:
+        raise RunError(f"the keys cannot be written: {error}") from None

@@ -1,0 +1,1 @@
+"""Finding a robot that runs, seeing how its processes are, and controlling them."""

@@ -1,0 +1,111 @@
+"""What people see of a run while it goes on: a live table on a terminal, plain lines elsewhere."""
+
+import sys
+import time
+from typing import Protocol
+
+from rich.console import Console, Group, RenderableType
+from rich.live import Live
+from rich.progress_bar import ProgressBar
+from rich.table import Table
+from rich.text import Text
+
+from runtime.watching.table import HEADINGS, cells, distance, say
+from runtime.watching.watcher import View
+
+_LINE = 1.0  # [s] between two plain lines
+
+
+class Screen(Protocol):
+    """Shows people what happens."""
+
+    def happened(self, t: float, text: str) -> None:
+        """Something happened at plant time `t` [s]."""
+
+    def show(self, view: View) -> None:
+        """This is to be seen now."""
+
+    def close(self) -> None:
+        """Leave the terminal as it was."""
+
+
+def open_screen(duration: float | None) -> Screen:
+    """Return what suits the output; `duration` is of the run [s], None if it has none."""
+    return LiveTable(duration) if sys.stdout.isatty() else PlainLines(duration)
+
+
+class LiveTable:
+    """A progress bar and a table that stay in place; what happens scrolls by above them."""
+
+    def __init__(self, duration: float | None) -> None:
+        self._duration = duration
+        self._console = Console(highlight=False)
+        self._live = Live(console=self._console, auto_refresh=False, transient=True)
+        self._live.start()
+
+    def happened(self, t: float, text: str) -> None:
+        """Something happened at plant time `t` [s]."""
+        self._console.print(Text(_event(t, text), style="bold yellow"))
+
+    def show(self, view: View) -> None:
+        """Draw it."""
+        self._live.update(picture(view, self._duration), refresh=True)
+
+    def close(self) -> None:
+        """Leave the terminal as it was."""
+        self._live.stop()
+
+
+class PlainLines:
+    """A line a second, and one for each thing that happens."""
+
+    def __init__(self, duration: float | None) -> None:
+        self._duration = duration
+        self._next = 0.0
+
+    def happened(self, t: float, text: str) -> None:
+        """Something happened at plant time `t` [s]."""
+        say(_event(t, text))
+
+    def show(self, view: View) -> None:
+        """Print it, unless the last line was printed just before."""
+        now = time.monotonic()
+        if now >= self._next:
+            self._next = now + _LINE
+            there = sum(row.alive for row in view.rows)
+            say(f"{_progress(view, self._duration)}  {there} processes alive")
+
+    def close(self) -> None:
+        """There is nothing to do."""
+
+
+def picture(view: View, duration: float | None) -> RenderableType:
+    """Return the bar over the run and the table of processes."""
+    now = time.monotonic()
+    table = Table(box=None, padding=(0, 2, 0, 0), header_style="dim", pad_edge=False)
+    for index, heading in enumerate(HEADINGS):
+        right = index in (1, 4, 5, 6)
+        table.add_column(heading, justify="right" if right else "left", no_wrap=True)
+    for row in view.rows:
+        style = "" if row.alive else "red"
+        if row.alive and row.refused:
+            style = "yellow"
+        table.add_row(*cells(row, now), style=style)
+    line = Text(_progress(view, duration))
+    if duration is None:
+        return Group(line, table)
+    head = Table.grid(padding=(0, 2, 0, 0), expand=True)
+    head.add_column(no_wrap=True)
+    head.add_column(ratio=1)
+    head.add_row(line, ProgressBar(total=duration, completed=min(view.t, duration)))
+    return Group(head, table)
+
+
+def _progress(view: View, duration: float | None) -> str:
+    of = "" if duration is None else f" of {duration:g}"
+    error, worst = distance(view.error), distance(view.worst)
+    return f"{view.t:6.2f}{of} s  hand {error} off, worst {worst}"
+
+
+def _event(t: float, text: str) -> str:
+    return f"{t:6.2f} s  {text}"

@@ -1,0 +1,1 @@
+"""What MSMA relies on beyond Zenoh's documented interface, each with a working fallback."""

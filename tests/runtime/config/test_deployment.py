@@ -1,0 +1,299 @@
+import re
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from agents.paths import CsvPath, Line
+from runtime.config.chaos import ChaosEvent
+from runtime.config.deployment import Deployment, load
+from runtime.config.overrides import Override
+from runtime.config.tree import ConfigError
+from tests.runtime.own_agents import Nudge
+
+ROOT = Path(__file__).parents[3]
+SHIPPED = sorted((ROOT / "deploy").glob("*.yaml"))
+EXAMPLES = yaml.safe_load((Path(__file__).parent / "bad_files.yaml").read_text())
+GOOD: str = EXAMPLES["good"]
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    return tmp_path
+
+
+def write(text: str, name: str = "x.yaml") -> str:
+    Path(name).write_text(text, encoding="utf-8")
+    return name
+
+
+def read(text: str, **overrides: str) -> Deployment:
+    given = [Override(f"--set {path}", path, value) for path, value in overrides.items()]
+    return load(write(text), given)
+
+
+def refused(text: str) -> str:
+    with pytest.raises(ConfigError) as caught:
+        read(text)
+    return str(caught.value)
+
+
+@pytest.mark.parametrize(("old", "new", "says"), EXAMPLES["misshapen"] + EXAMPLES["senseless"])
+def test_a_mistake_is_told_with_its_place_and_what_is_valid(
+    folder: Path, old: str | None, new: str, says: str
+) -> None:
+    said = refused(new if old is None else GOOD.replace(old, new, 1)).replace(str(folder), "FOLDER")
+    if says.endswith("..."):
+        said, says = said[: len(says) - 3], says[:-3]
+    assert said == says
+
+
+def test_a_platform_is_refused_where_the_robot_has_none() -> None:
+    text = "robot: a\ndescription: planar5\nperiod: 1 ms\nagents: []\n"
+    place = refused(text + "start: {platform: [0, 0, 0]}\n")
+    assert place == "x.yaml:5:19: start.platform: planar5 stands on no platform; leave it out"
+    still = "{role: platform, class: tests.runtime.own_agents:Still}"
+    role = refused(text.replace("[]", f"[{still}]"))
+    assert role.startswith("x.yaml:4:17: agents.platform.role: planar5 has no 'platform' to move;")
+
+
+def test_more_agents_than_slots_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("runtime.config.deployment.FIRST_COPY", 4)
+    assert refused(GOOD) == "x.yaml:14:3: agents: 5 processes with plant and goal, of 4 at most"
+
+
+@pytest.mark.parametrize("file", SHIPPED, ids=lambda file: file.stem)
+def test_what_is_shipped_is_valid(file: Path) -> None:
+    assert load(file).duration is not None
+
+
+def test_files_are_shipped() -> None:
+    assert {file.stem for file in SHIPPED} >= {"arph", "arph-1khz", "arph-faults", "planar5"}
+
+
+def test_a_value_is_read_in_si() -> None:
+    deployment = read(GOOD)
+    assert (deployment.period, deployment.duration, deployment.robot) == (0.06, 24.0, "arph")
+    assert deployment.start.joints == pytest.approx(np.deg2rad([0, 60, -115, 0, 0, 0]))
+    assert deployment.start.base == (-0.15, 0.0, 0.0)
+    assert deployment.agents[0].parameters["gain"] == 0.4
+    assert [agent.joint for agent in deployment.agents] == [0, 1, None]
+
+
+def test_a_default_follows_from_what_is_given(folder: Path) -> None:
+    text = "robot: x\ndescription: arph\nperiod: 20 ms\nagents: []\n"
+    deployment = read(text)
+    assert deployment.plant.hold == 0.08
+    assert deployment.start.joints == (0.0,) * 6
+    assert deployment.start.platform == (0.0, 0.0, 0.0)
+    assert deployment.runs == folder / "runs"
+    assert deployment.modules == folder
+    assert deployment.goal is None
+    assert deployment.port != read(text, robot="y").port
+
+
+def test_a_bolted_robot_stands_at_the_origin() -> None:
+    start = read("robot: x\ndescription: planar5\nperiod: 20 ms\nagents: []\n").start
+    assert (start.platform, start.base) == (None, (0.0, 0.0, 0.0))
+
+
+def test_slots_are_plant_goal_and_the_agents_as_listed() -> None:
+    deployment = read(GOOD, port="7000")
+    assert deployment.roles == ("plant", "goal", "joint/1", "joint/2", "platform")
+    assert deployment.slot("platform") == 4
+    assert deployment.mesh.seat(2).listen == ("127.0.0.1", 7002)
+    with pytest.raises(ConfigError, match="nothing runs as 'joint/3'; did you mean 'joint/2'"):
+        deployment.slot("joint/3")
+
+
+def test_without_a_goal_no_goal_process_has_a_slot() -> None:
+    assert read(GOOD, goal="null").roles == ("plant", "joint/1", "joint/2", "platform")
+
+
+def test_a_chaos_event_is_an_action_and_its_target() -> None:
+    fault, kill = read(GOOD).chaos
+    assert (fault.at, fault.action, fault.target) == (5.0, "fault", "joint/1:locked")
+    assert kill == ChaosEvent(at=8.0, kill="joint/2")
+    assert (kill.action, kill.target) == ("kill", "joint/2")
+
+
+def test_an_agent_is_built_as_its_part_of_the_robot() -> None:
+    deployment = read(GOOD)
+    agent = deployment.build_agent("joint/1")
+    assert isinstance(agent, Nudge)
+    assert (agent.gain, agent.body.joint, agent.body.period) == (0.4, 0, 0.06)
+    assert agent.body.robot is deployment.description.robot
+
+
+def test_two_agents_draw_different_numbers_and_a_revived_one_the_same() -> None:
+    deployment = read(GOOD.replace("own_agents:Still", "own_agents:Nudge"))
+
+    def drawn(role: str) -> float:
+        agent = deployment.build_agent(role)
+        assert isinstance(agent, Nudge)
+        return agent.body.rng.random()
+
+    assert drawn("joint/1") == drawn("joint/1") != drawn("joint/2")
+
+
+def test_the_path_is_built_from_its_parameters() -> None:
+    goal = read(GOOD).goal
+    assert goal is not None
+    path = goal.build()
+    assert isinstance(path, Line)
+    assert path.piece(0.0).at(10.0) == pytest.approx([0.2, -0.88, 0.99])
+
+
+def test_paths_in_a_file_are_relative_to_it(folder: Path) -> None:
+    (folder / "deep").mkdir()
+    (folder / "deep" / "way.csv").write_text("t,x,y,z\n0,0,0,0\n1,1,0,0\n")
+    (folder / "deep" / "arm.urdf").write_bytes((ROOT / "plant/robots/arph.urdf").read_bytes())
+    goal = "{class: agents.paths:CsvPath, file: way.csv}"
+    text = f"robot: x\ndescription: arm.urdf\nperiod: 1 ms\nagents: []\ngoal: {goal}\n"
+    deployment = load(write(text, "deep/x.yaml"))
+    assert deployment.description.source == str(folder / "deep" / "arm.urdf")
+    assert deployment.goal is not None
+    assert isinstance(deployment.goal.build(), CsvPath)
+    write(deployment.dump(), "dump.yaml")
+    assert load("dump.yaml") == deployment
+
+
+def test_a_file_that_a_path_needs_must_be_there(folder: Path) -> None:
+    goal = "{class: agents.paths:CsvPath, file: way.csv}"
+    text = f"robot: x\ndescription: arph\nperiod: 1 ms\nagents: []\ngoal: {goal}\n"
+    assert refused(text) == f"x.yaml:5:43: goal.file: there is no file {folder / 'way.csv'}"
+    (folder / "way.csv").write_text("t,x,y,z\n0,0,0,up\n")
+    told = f"x.yaml:5:7: goal: {folder / 'way.csv'}:2: t, x, y and z must be four numbers"
+    assert refused(text) == told
+
+
+OWN = """
+from agents.agent import Agent
+class Mine(Agent):
+    def __init__(self, body, *, pull: float): pass
+    def decide(self, percepts): return None
+"""
+
+
+def test_classes_of_ones_own_lie_beside_the_file_or_in_modules(folder: Path) -> None:
+    (folder / "beside_the_file.py").write_text(OWN)
+    (folder / "elsewhere").mkdir()
+    (folder / "elsewhere" / "in_modules.py").write_text(OWN)
+    nudge = "tests.runtime.own_agents:Nudge, gain: 0.4"
+    text = GOOD.replace(nudge, "beside_the_file:Mine, pull: 2")
+    assert read(text).agents[0].parameters == {"pull": 2.0}
+    text = text.replace("beside_the_file", "in_modules")
+    assert read(text, modules="elsewhere").modules == folder / "elsewhere"
+
+
+def test_a_module_that_breaks_on_import_is_told_at_its_name(folder: Path) -> None:
+    (folder / "broken_agents.py").write_text("1 / 0\n")
+    (folder / "lacking_agents.py").write_text("import nothing_of_that_name\n")
+    place = "x.yaml:14:28: agents.joint/1.class: module"
+    told = refused(GOOD.replace("tests.runtime.own_agents", "broken_agents", 1))
+    assert told == f"{place} broken_agents cannot be imported: ZeroDivisionError: division by zero"
+    told = refused(GOOD.replace("tests.runtime.own_agents", "lacking_agents", 1))
+    reason = "ModuleNotFoundError: No module named 'nothing_of_that_name'"
+    assert told == f"{place} lacking_agents cannot be imported: {reason}"
+
+
+def test_a_process_loads_the_class_of_its_own_role_only() -> None:
+    text = GOOD.replace("tests.runtime.own_agents:Nudge, gain: 0.4", "nowhere:None_, gain: x")
+    deployment = load(write(text), only_role="joint/2")
+    assert deployment.agents[0].parameters == {"gain": "x"}
+    deployment.build_agent("joint/2")
+    with pytest.raises(ConfigError, match="loaded for another role"):
+        deployment.build_agent("joint/1")
+    with pytest.raises(ConfigError, match="nothing runs as 'joint/5'"):
+        load("x.yaml", only_role="joint/5")
+
+
+def test_the_plants_process_imports_no_agent() -> None:
+    program = (
+        "import sys; from runtime.config.deployment import load; "
+        f"load({str(ROOT / 'deploy/arph.yaml')!r}, only_role='plant'); "
+        "print({'agents.joint', 'agents.platform', 'jsonschema', 'rich'} & set(sys.modules))"
+    )
+    result = subprocess.run(
+        [sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    assert result.stdout == "set()\n"
+
+
+def lengths(low: float, high: float) -> st.SearchStrategy[float]:
+    return st.floats(low, high, exclude_min=True)
+
+
+def quoted(values: st.SearchStrategy[Any]) -> st.SearchStrategy[str]:
+    return values.map(lambda value: yaml.safe_dump(value))
+
+
+OVERRIDES = {
+    "robot": quoted(st.from_regex("[A-Za-z0-9][A-Za-z0-9_-]{0,20}", fullmatch=True)),
+    "period": quoted(lengths(0, 10)),
+    "duration": st.one_of(quoted(st.floats(9, 1e6)), st.just("null")),
+    "tolerance": quoted(lengths(0, 1e9)),
+    "seed": quoted(st.integers(0, 10**40)),
+    "speed": quoted(lengths(0, 1e3)),
+    "port": quoted(st.integers(1024, 65408)),
+    "runs": quoted(st.text("aé: #-'\"/.", min_size=1)),
+    "goal": st.just("null"),
+    "start.joints": quoted(st.lists(st.floats(-1, 1), min_size=6, max_size=6)),
+    "start.platform": quoted(st.lists(st.floats(-9, 9), min_size=3, max_size=3)),
+    "plant.hold": quoted(st.floats(10, 1e9)),
+    "agents.joint/1.gain": quoted(lengths(0, 9)),
+    "agents.joint/1.bounds": quoted(st.lists(st.floats(-9, 9), min_size=2)),
+    "agents.joint/1.note": st.one_of(quoted(st.text()), st.just("~")),
+    "agents.joint/1.eager": st.sampled_from(["yes", "no", "true", "off"]),
+    "hosts": st.sampled_from(["{a: 10.0.0.1}", "{b-2: {address: '::1', ssh: me@b}, a: a.local}"]),
+    "chaos.+": st.sampled_from(["{at: 1, stop: goal}", "{at: 2 s, fault: 'joint/2:weak=20 %'}"]),
+}
+
+
+@pytest.fixture(scope="module")
+def corner(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    place = tmp_path_factory.mktemp("corner")
+    (place / "x.yaml").write_text(GOOD)
+    return place
+
+
+@settings(deadline=None)
+@given(values=st.fixed_dictionaries({}, optional=OVERRIDES))
+def test_a_deployment_loads_again_from_what_it_dumps(corner: Path, values: dict[str, str]) -> None:
+    if "goal" in values:
+        values.pop("chaos.+", None)
+    deployment = load(corner / "x.yaml", [Override("--set", *each) for each in values.items()])
+    (corner / "dump.yaml").write_text(deployment.dump(), encoding="utf-8")
+    again = load(corner / "dump.yaml")
+    assert again == deployment
+    assert again.dump() == deployment.dump()
+
+
+SCRAPS = ["[", "{", "}", ":", "\n", "- ", "&a ", "*a", "!!x ", "'", "~", "-1 ms", "nan", "<<: "]
+SCRAPS += ["\0", "x" * 300]
+
+
+@settings(deadline=None, max_examples=200)
+@given(data=st.data())
+def test_a_garbled_file_is_read_or_refused_in_one_line(corner: Path, data: st.DataObject) -> None:
+    text = GOOD
+    for _ in range(data.draw(st.integers(1, 3))):
+        start = data.draw(st.integers(0, len(text)))
+        end = start + data.draw(st.sampled_from([0, 1, 3, 30]))
+        text = text[:start] + data.draw(st.sampled_from(SCRAPS)) + text[end:]
+    (corner / "garbled.yaml").write_text(text)
+    try:
+        load(corner / "garbled.yaml")
+    except ConfigError as error:
+        said = str(error)
+    else:
+        return
+    assert re.match(rf"{corner}/garbled.yaml:\d+:\d+: .+$", said)

@@ -1,0 +1,96 @@
+"""Plant aside, every process is killed and hung in its turn: no one of them is needed by more."""
+
+import signal
+
+import numpy as np
+import pytest
+
+from runtime.config.deployment import load
+from runtime.results.evaluation import errors
+from runtime.results.run_log import read_run_log
+from tests.runtime.conftest import ROOT, Robot, wait_for
+
+ROLES = ("goal", *(f"joint/{number}" for number in range(1, 7)), "platform")
+
+
+@pytest.fixture(autouse=True)
+def _time_for_a_run(request: pytest.FixtureRequest) -> None:
+    request.node.add_marker(pytest.mark.timeout(90))
+
+
+def deeds(robot: Robot, *actions: str) -> list[tuple[str, str]]:
+    """What was done, by whom it was done to."""
+    lines = robot.log("launcher", "chaos") + robot.log("successor", "chaos")
+    return [(line["action"], line["target"]) for line in lines if line["action"] in actions]
+
+
+def final_error(robot: Robot) -> float:
+    path = load(ROOT / "deploy" / "arph.yaml").goal
+    assert path is not None
+    return float(errors(read_run_log(robot.run_folder), path.build())[-1])
+
+
+def test_each_is_hung_once_and_the_hand_gets_there(robot: Robot) -> None:
+    chaos_targets = ("launcher", "watcher", *ROLES)
+    hangs = [f"--hang={role}@{3 + 1.4 * i:g}:1s" for i, role in enumerate(chaos_targets)]
+    launcher = robot.launch("--speed", "3", "--duration", "20s", *hangs)
+    robot.until(0.3)
+    watching = robot.start("status", "--watch", "--robot", robot.name)
+    out, err = launcher.communicate(timeout=60)
+    assert launcher.returncode == 0, out + err
+    assert deeds(robot, "hang") == [("hang", role) for role in chaos_targets]
+    assert watching.poll() is None
+    assert robot.processes().keys() == set()
+
+
+def test_each_is_killed_once_the_launcher_first_and_the_hand_gets_there(robot: Robot) -> None:
+    options = ["--hang=joint/5@0.5:5s", "--kill=launcher@1", "--kill=watcher@5"]
+    for index, role in enumerate(ROLES):
+        at = 5.5 + 1.2 * index
+        options += [f"--kill={role}@{at:g}", f"--revive={role}@{at + 0.5:g}"]
+    launcher = robot.launch("--speed", "2", *options)
+    robot.until(0.3)
+    watching = robot.start("status", "--watch", "--robot", robot.name)
+    assert launcher.wait(timeout=30) == -signal.SIGKILL
+    assert watching.wait(timeout=30) == -signal.SIGKILL
+    wait_for(lambda: not robot.processes(), "all to end by themselves", timeout=60.0)
+    assert deeds(robot, "kill") == [("kill", role) for role in ("launcher", "watcher", *ROLES)]
+    assert deeds(robot, "hang", "wake") == [("hang", "joint/5"), ("wake", "joint/5")]
+    for role in ROLES:
+        assert len(robot.log(role, "start")) == 2
+        assert robot.log(role, "end")[0]["reason"] == "the run is over"
+    record = read_run_log(robot.run_folder)
+    assert record.t[-1] == pytest.approx(24.0)
+    assert final_error(robot) < 0.003
+    assert not np.isnan(record.age[-1]).any(), "every motor is told what to do again"
+
+
+ALL_OTHERS = ROLES[1:]
+ONE_BY_ONE = {role: 5.0 + 1.3 * i for i, role in enumerate(ALL_OTHERS)}
+
+
+@pytest.mark.parametrize(
+    ("loss", "losses", "duration"),
+    [
+        ("--kill=goal@3", ONE_BY_ONE, "18s"),
+        ("--hang=goal@3", dict.fromkeys(ALL_OTHERS, 4.0), "12s"),
+    ],
+    ids=["killed, each after the other", "hung, all at once"],
+)
+def test_who_starts_after_the_goal_s_source_was_lost_learns_of_the_goal(
+    robot: Robot, loss: str, losses: dict[str, float], duration: str
+) -> None:
+    options = [loss]
+    for role, at in losses.items():
+        options += [f"--kill={role}@{at:g}", f"--revive={role}@{at + 0.9:g}"]
+    code, said = robot.run("--speed", "3", "--duration", duration, *options)
+    assert code == 0, said
+    for role in losses:
+        assert len(robot.log(role, "start")) == 2
+    assert final_error(robot) < 0.003
+
+
+def test_who_hangs_to_the_end_is_ended_by_the_launcher_s_heir(robot: Robot) -> None:
+    robot.run("--speed", "3", "--duration", "6s", "--hang", "joint/5@1", "--kill", "launcher@2")
+    wait_for(lambda: not robot.processes(), "all to end", timeout=30.0)
+    assert robot.log("joint/5", "end") == []

@@ -1,0 +1,88 @@
+"""What strangers send and what agents of strangers do never stops a loop (rule 9)."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from runtime.wire import topics
+from runtime.wire.refusals import Reason
+from tests.runtime.conftest import ProcessGroup, wait_for
+
+BAD_AGENTS = """
+import numpy as np
+from agents.agent import Agent
+
+class Raises(Agent):
+    def __init__(self, body): pass
+    def decide(self, percepts): return 1 / 0
+
+class SaysNaN(Raises):
+    def decide(self, percepts): return np.array(np.nan)
+
+class SaysTooMuch(Raises):
+    def decide(self, percepts): return np.zeros(3)
+
+class SaysWords(Raises):
+    def decide(self, percepts): return "fast"
+
+class Hurries(Raises):
+    def decide(self, percepts): return np.array(99.0)
+"""
+
+
+def events(processes: ProcessGroup, role: str, event: str) -> list[dict[str, Any]]:
+    path = processes.run / f"{topics.file_name(role)}.jsonl"
+    lines = map(json.loads, path.read_text(encoding="utf-8").splitlines())
+    return [line for line in lines if line["event"] == event]
+
+
+def with_agent(processes: ProcessGroup, name: str, folder: Path) -> None:
+    """Let joint/1 be an agent of the kind that nobody wants."""
+    (folder / "bad_agents.py").write_text(BAD_AGENTS)
+    processes.options += ["--set", f"modules={folder}"]
+    processes.options += ["--set", f"agents.joint/1.class=bad_agents:{name}"]
+
+
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [
+        ("Raises", "ZeroDivisionError"),
+        ("SaysNaN", "a command that is not finite"),
+        ("SaysTooMuch", "a command of shape (3,)"),
+        ("SaysWords", "ValueError"),
+    ],
+)
+def test_what_an_agent_gets_wrong_is_counted_logged_once_and_not_sent(
+    processes: ProcessGroup, tmp_path: Path, name: str, reason: str
+) -> None:
+    with_agent(processes, name, tmp_path)
+    processes.start("plant", "joint/1")
+    bus = processes.visit()
+    ring = bus.ring(topics.joint_command(1))
+    diag = processes.until(
+        bus, "joint/1", lambda d: d.refused.get("decide", {}).get(reason, 0) > 10, "counts"
+    )
+    assert list(diag.refused) == ["decide"]
+    assert list(ring.waiting(1)) == []
+    wait_for(lambda: events(processes, "joint/1", "refused"), "the log")
+    (line,) = events(processes, "joint/1", "refused")
+    assert reason in line["reason"]
+    if name == "Raises":
+        assert "return 1 / 0" in line["detail"]
+
+
+def test_speeds_over_the_limit_are_cut_to_it_and_counted(
+    processes: ProcessGroup, tmp_path: Path
+) -> None:
+    with_agent(processes, "Hurries", tmp_path)
+    processes.options += ["--set", "period=10ms"]
+    processes.start("plant", "joint/1")
+    bus = processes.visit()
+    diag = processes.until(bus, "plant", lambda d: d.t > 0.5, "runs for half a second")
+    assert diag.refused[topics.joint_command(1)][Reason.OVER_LIMIT] > 10
+    wait_for(lambda: len(events(processes, "plant", "tick")) > 40, "the log")
+    speeds = [abs(tick["qd"][0]) for tick in events(processes, "plant", "tick")]
+    assert max(speeds) == pytest.approx(np.deg2rad(50.0))

@@ -1,0 +1,146 @@
+"""Histories of commands: what the motors are told."""
+
+import numpy as np
+import pytest
+
+from plant import urdf
+from plant.simulator import Simulator
+from runtime.processes.command_arbiter import CommandArbiter
+from runtime.wire import topics
+from runtime.wire.messages import JointCommand, PlatformCommand, pack
+from runtime.wire.refusals import UNKNOWN_KEYS, Reason, Refusals
+from runtime.wire.samples import Sample
+
+HOLD, FRESH = 0.24, 0.2  # [s]
+
+
+class Plant:
+    """The orders of the mobile arm."""
+
+    def __init__(self) -> None:
+        self.refusals = Refusals()
+        robot = urdf.load("arph")
+        self.orders = CommandArbiter(robot, hold=HOLD, fresh=FRESH, refusals=self.refusals)
+        self._n = 0
+
+    def hears(self, joint: int, velocity: float, at: float, by: int = 7) -> bool:
+        self._n += 1
+        data = pack(JointCommand(0.5, velocity, by, self._n))
+        return self.orders.take(Sample(topics.joint_command(joint), data), at) is not None
+
+    def platform_hears(self, linear: float, angular: float, at: float) -> None:
+        self._n += 1
+        data = pack(PlatformCommand(0.5, linear, angular, 7, self._n))
+        assert self.orders.take(Sample(topics.PLATFORM_COMMAND, data), at) is not None
+
+    def joints(self, at: float) -> list[float]:
+        commands, _ = self.orders.commands_at(at)
+        return list(commands.joints)
+
+
+@pytest.fixture
+def plant() -> Plant:
+    return Plant()
+
+
+def test_at_first_all_stand_still(plant: Plant) -> None:
+    commands, ages = plant.orders.commands_at(0.0)
+    assert not any(commands.joints)
+    assert not any(commands.base)
+    assert ages == [None] * 7
+
+
+def test_a_command_moves_its_joint_and_no_other(plant: Plant) -> None:
+    plant.hears(2, 0.3, at=1.0)
+    assert plant.joints(1.0) == [0.0, 0.3, 0.0, 0.0, 0.0, 0.0]
+
+
+def test_the_platform_is_told_both_of_its_speeds(plant: Plant) -> None:
+    data = pack(PlatformCommand(0.5, 0.1, -0.2, 7, 1))
+    answered = plant.orders.take(Sample(topics.PLATFORM_COMMAND, data), 1.0)
+    assert answered == ("platform", 0.5)
+    assert plant.orders.commands_at(1.0)[0].base == pytest.approx(np.array([0.1, -0.2]))
+
+
+def test_a_command_older_than_the_hold_time_brings_the_joint_to_rest(plant: Plant) -> None:
+    plant.hears(2, 0.3, at=1.0)
+    assert plant.joints(1.0 + HOLD)[1] == 0.3
+    assert plant.joints(1.0 + HOLD + 0.001)[1] == 0.0
+
+
+def test_each_motor_has_a_hold_time_of_its_own(plant: Plant) -> None:
+    plant.hears(1, 0.5, at=1.0)
+    plant.platform_hears(0.1, -0.2, at=1.0)
+    plant.hears(2, 0.6, at=1.1)
+    commands, _ = plant.orders.commands_at(1.1 + HOLD)
+    np.testing.assert_array_equal(commands.joints, [0, 0.6, 0, 0, 0, 0])
+    assert not any(commands.base)
+
+
+def test_only_the_latest_command_counts_and_what_was_given_does_not_change(plant: Plant) -> None:
+    plant.hears(1, 0.5, at=1.0)
+    plant.platform_hears(0.1, 0.0, at=1.0)
+    before, _ = plant.orders.commands_at(1.0)
+    plant.hears(1, -0.3, at=1.1)
+    plant.platform_hears(0.2, 0.0, at=1.1)
+    after, _ = plant.orders.commands_at(1.1)
+    assert (before.joints[0], before.base[0]) == (0.5, 0.1)
+    assert (after.joints[0], after.base[0]) == (-0.3, 0.2)
+
+
+def test_a_motor_that_is_told_nothing_more_brakes_to_rest_within_its_limits(plant: Plant) -> None:
+    start = np.radians([0.0, 60.0, -115.0, 0.0, 0.0, 0.0])
+    simulator = Simulator(urdf.load("arph"), start, period=0.01)
+    speeds, last_told = [], 99
+    for k in range(200):
+        t = simulator.state.t
+        if k <= last_told:
+            plant.hears(1, 0.8, at=t)
+            plant.platform_hears(0.3, 0.0, at=t)
+        speeds.append(simulator.step(plant.orders.commands_at(t)[0]).qd[0])
+    held, acceleration = round(HOLD / 0.01), 4.0
+    assert speeds[last_told + held] == pytest.approx(0.8)
+    assert speeds[last_told + held + 1] < 0.8
+    assert np.diff(speeds).min() >= -acceleration * 0.01 - 1e-12
+    assert speeds[-1] == 0.0
+    assert simulator.state.base_velocity[0] == 0.0
+
+
+def test_ages_are_told_while_commands_hold(plant: Plant) -> None:
+    plant.hears(1, 0.3, at=1.0)
+    plant.hears(3, 0.3, at=0.7)
+    _, ages = plant.orders.commands_at(1.1)
+    assert ages == [pytest.approx(0.1), *[None] * 6]
+
+
+def test_of_two_copies_the_newer_one_is_obeyed_while_it_is_fresh(plant: Plant) -> None:
+    history = {}
+    for tick in range(12):
+        t = tick * 0.06
+        plant.hears(1, 0.1, at=t, by=1)
+        if 3 <= tick < 6:
+            plant.hears(1, 0.2, at=t, by=2)
+        history[tick] = plant.joints(t)[0]
+    assert list(history.values()) == [0.1] * 4 + [0.2] * 5 + [0.1] * 3
+
+
+def test_a_speed_over_the_limit_is_counted(plant: Plant) -> None:
+    assert plant.hears(1, 99.0, at=1.0)
+    assert plant.refusals.table() == {topics.joint_command(1): {Reason.OVER_LIMIT: 1}}
+
+
+def test_a_command_for_a_joint_that_there_is_not_is_counted(plant: Plant) -> None:
+    assert not plant.hears(9, 0.1, at=1.0)
+    assert plant.refusals.table() == {UNKNOWN_KEYS: {Reason.UNKNOWN_KEY: 1}}
+
+
+def test_noise_on_one_joint_leaves_its_last_command_in_force(plant: Plant) -> None:
+    plant.hears(1, 0.1, at=1.0)
+    for _ in range(100):
+        assert plant.orders.take(Sample(topics.joint_command(1), b"noise"), 1.0) is None
+    assert plant.joints(1.05)[0] == 0.1
+
+
+def test_the_role_and_the_state_that_it_answers_are_told(plant: Plant) -> None:
+    data = pack(JointCommand(0.42, 0.1, 7, 1))
+    assert plant.orders.take(Sample(topics.joint_command(4), data), 1.0) == ("joint/4", 0.42)

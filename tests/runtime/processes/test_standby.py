@@ -1,0 +1,87 @@
+"""Copies of an agent: one is obeyed, and when it dies or hangs another takes over in time."""
+
+import os
+import signal
+import time
+
+import numpy as np
+import pytest
+
+from runtime.config.deployment import ProcessSpec, load
+from runtime.config.overrides import Override
+from runtime.config.tree import ConfigError
+from runtime.results.run_log import read_run_log
+from runtime.watching.local import obeyed_in
+from tests.runtime.conftest import ROOT, Robot, wait_for
+
+FILE = ROOT / "deploy" / "arph.yaml"
+HOSTS = Override("test", "hosts", "{robot: 10.0.0.1, arm: 10.0.0.2, base: 10.0.0.3}")
+
+
+def copies(text: str, *more: Override) -> list[ProcessSpec]:
+    start = "role: joint/1, class: agents.joint:JointAgent"
+    override = Override("test", "agents.joint/1", f"{{{start}, {text}}}")
+    return [member for member in load(FILE, [*more, override]).processes if member.copy]
+
+
+def test_a_copy_is_one_more_process_in_the_same_role() -> None:
+    assert copies("copies: 3") == [ProcessSpec("joint/1", "local", copy=True)] * 2
+
+
+def test_copies_are_on_other_hosts_where_there_are_any() -> None:
+    assert copies("host: arm, copies: 2", HOSTS) == [ProcessSpec("joint/1", "base", copy=True)]
+    assert copies("host: base, copies: 2", HOSTS) == [ProcessSpec("joint/1", "robot", copy=True)]
+    assert copies("host: [arm, robot], copies: 2", HOSTS) == [
+        ProcessSpec("joint/1", "robot", copy=True)
+    ]
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("copies: 0", "copies: 0 must be at least 1, such as 2"),
+        ("host: [arm, base]", "host: 2 hosts for 1 of it; say copies: 2"),
+        ("host: [arm, moon], copies: 2", "host.1: there is no host 'moon'"),
+    ],
+)
+def test_copies_that_cannot_be_are_refused(text: str, says: str) -> None:
+    with pytest.raises(ConfigError, match=says.replace("[", r"\[")):
+        copies(text, HOSTS)
+
+
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP], ids=["killed", "hung"])
+def test_a_standby_takes_over_within_the_hold_time(robot: Robot, number: signal.Signals) -> None:
+    options = ("--set", "agents.joint/1.copies=2", "--set", "plant.hold=500ms")  # tests share
+    launcher = robot.launch("--duration", "60s", *options)
+    robot.until(1.0)
+    shown = robot.tool("status").stdout
+    assert shown.count("joint/1 ") == 2, shown
+    obeyed = obeyed_in(robot.run_folder, "joint/1")
+    assert obeyed is not None
+    former, began = _obeyed(robot), time.time()
+    os.kill(obeyed, number)
+
+    wait_for(lambda: _obeyed(robot) == former + 1, "the other to be obeyed")
+    robot.until(robot.t + 0.5)
+    launcher.send_signal(signal.SIGINT)
+    launcher.communicate(timeout=20)
+    record = read_run_log(robot.run_folder)
+    after = record.age[(record.wall >= began) & (record.wall < began + 1.0), 0]
+    assert len(after) > 5
+    assert not np.isnan(after).any(), "the joint was never without a command in force"
+
+
+def _obeyed(robot: Robot) -> int:
+    """Return how often the plant has begun to obey a process in the role so far."""
+    return sum(line["role"] == "joint/1" for line in robot.log("plant", "obeys"))
+
+
+def test_a_copy_that_was_killed_can_be_revived(robot: Robot) -> None:
+    code, said = robot.run(
+        *("--duration", "4s", "--speed", "2", "--set", "agents.joint/1.copies=2"),
+        *("--kill", "joint/1@1", "--revive", "joint/1@1.5"),
+    )
+    assert code == 0, said
+    assert len(robot.log("joint/1", "start")) == 3
+    assert said.count("joint/1 was started again") == 1
+    wait_for(lambda: not robot.processes(), "all to end", timeout=5.0)

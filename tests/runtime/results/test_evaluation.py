@@ -1,0 +1,161 @@
+"""How runs are judged, by records made up for it."""
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from agents.agent import Array
+from plant.kinematics import Kinematics
+from runtime.config.deployment import Deployment, load
+from runtime.launching.launcher import RunOutcome
+from runtime.processes.lifetime import FAILED, INTERRUPTED, OK
+from runtime.results.evaluation import evaluate, goals
+from runtime.results.reach import nearest
+from runtime.results.run_log import RunLog, RunLogError, read_run_log
+from runtime.results.summary import MISSED, Summary, summarise
+from runtime.watching.watcher import View
+from tests.runtime.conftest import ROOT
+
+ENDED = {"event": "end", "reason": "the run is over", "code": 0}
+NOTHING = View(0.0, None, None, None, None, [])
+
+
+@pytest.fixture(scope="module")
+def deployment() -> Deployment:
+    return load(ROOT / "deploy" / "arph.yaml")
+
+
+def record(
+    deployment: Deployment,
+    off: Array | float,
+    speed: float = 0.1,
+    until: float = 24.0,
+    end: Mapping[str, Any] = ENDED,
+) -> RunLog:
+    """Make a record of a hand that is `off` [m] sideways from its goal, at each of the states."""
+    assert deployment.goal is not None
+    t = np.arange(0.0, until + 1e-9, 0.06)
+    hand = goals(deployment.goal.build(), t)
+    hand[:, 0] += off
+    m = len(t)
+    q = np.tile(deployment.start.joints, (m, 1))
+    base = np.tile(deployment.start.base, (m, 1))
+    ages = np.zeros((m, 7))
+    return RunLog(t, t + 1e9, hand, q, base, np.tile([speed, 0.0], (m, 1)), ages, [end])
+
+
+def outcome(
+    deployment: Deployment, made: RunLog | None, code: int = 0, seen: View = NOTHING
+) -> Summary:
+    evaluation = None if made is None else evaluate(made, deployment)
+    return summarise(
+        deployment, Path("/nowhere"), RunOutcome(code, "-", seen, ()), made, evaluation
+    )
+
+
+def test_a_hand_near_its_goal_all_along_has_reached_it(deployment: Deployment) -> None:
+    made = record(deployment, 0.001)
+    tracking = evaluate(made, deployment).tracking
+    assert tracking is not None
+    assert tracking.final == pytest.approx(0.001)
+    assert tracking.worst == pytest.approx(0.001)
+    assert (tracking.within, tracking.since, tracking.nearest) == (1.0, 0.0, None)
+    assert outcome(deployment, made).code == OK
+
+
+def test_the_first_two_seconds_do_not_count(deployment: Deployment) -> None:
+    off = np.full(401, 0.001)
+    off[:30] = 0.02
+    tracking = evaluate(record(deployment, off), deployment).tracking
+    assert tracking is not None
+    assert tracking.worst == pytest.approx(0.001)
+    assert tracking.since == pytest.approx(1.8)
+
+
+def test_a_hand_that_leaves_at_the_end_has_missed(deployment: Deployment) -> None:
+    off = np.full(401, 0.001)
+    off[-1] = 0.004
+    summary = outcome(deployment, record(deployment, off))
+    assert summary.code == MISSED
+    assert "4.00 mm off" in summary.headline
+
+
+def test_a_missed_goal_is_said_to_be_out_of_reach_by_so_much(deployment: Deployment) -> None:
+    summary = outcome(deployment, record(deployment, 0.5))  # where the platform did not move
+    assert summary.code == MISSED
+    assert "out of reach" in summary.headline
+    assert summary.evaluation is not None
+    assert summary.evaluation.tracking is not None
+    assert summary.evaluation.tracking.nearest == pytest.approx(1.01, abs=0.01)
+
+
+@pytest.mark.parametrize(("speed", "backwards"), [(0.0, False), (-1e-3, True), (0.2, False)])
+def test_a_platform_that_goes_backwards_is_seen(
+    deployment: Deployment, speed: float, backwards: bool
+) -> None:
+    platform = evaluate(record(deployment, 0.0, speed), deployment).platform
+    assert platform is not None
+    assert platform.reversed == backwards
+
+
+@pytest.mark.parametrize(
+    ("end", "code"),
+    [
+        ({}, FAILED),
+        ({"event": "end", "reason": "IndexError", "code": 1}, FAILED),
+        ({"event": "end", "reason": "asked to stop", "code": 0}, INTERRUPTED),
+    ],
+    ids=["killed", "failed", "stopped"],
+)
+def test_a_plant_that_ends_early_decides_the_exit_code(
+    deployment: Deployment, end: dict[str, Any], code: int
+) -> None:
+    made = record(deployment, 0.0, until=9.0, end={"event": "x", **end})
+    assert outcome(deployment, made).code == code
+
+
+def test_a_log_that_ends_before_its_plant_is_no_success(deployment: Deployment) -> None:
+    assert deployment.duration is not None
+    made = record(deployment, 0.0, until=9.0)
+    told = outcome(deployment, made, seen=NOTHING._replace(t=deployment.duration))
+    assert told.code == FAILED
+    assert "is the disk full?" in told.headline
+
+
+def test_a_robot_that_never_moved_has_failed(deployment: Deployment, tmp_path: Path) -> None:
+    assert outcome(deployment, None).code == FAILED
+    assert outcome(deployment, None, INTERRUPTED).code == INTERRUPTED
+    with pytest.raises(RunLogError, match="no motion"):
+        read_run_log(tmp_path)
+
+
+def test_only_the_last_plant_counts_and_cut_lines_do_not(tmp_path: Path) -> None:
+    tick = '{"event": "tick", "wall": 1, "t": %g, "hand": [0, 0, 0], "q": [0], "base": [0, 0, 0], '
+    tick += '"base_velocity": [0, 0], "age": []}'
+    start = '{"event": "start", "pid": 1}'
+    lines = [start, tick % 1, tick % 2, start, tick % 3, (tick % 4)[:30]]
+    (tmp_path / "plant.jsonl").write_text("\n".join(lines))
+    assert read_run_log(tmp_path).t.tolist() == [3.0]
+
+
+def test_a_place_that_the_arm_reaches_is_found_within_reach(deployment: Deployment) -> None:
+    robot = deployment.description.robot
+    rng = np.random.default_rng(1)
+    base = np.array([1.0, -2.0, 0.5])
+    start = np.array(deployment.start.joints)
+    lower, upper = np.maximum(robot.lower, -math.pi), np.minimum(robot.upper, math.pi)
+    for q in rng.uniform(lower, upper, (5, robot.n)):
+        goal = Kinematics(robot).forward(q, base).tip
+        assert nearest(robot, goal, base, start) < 1e-3
+
+
+def test_a_place_beyond_the_stretched_arm_is_as_far_as_it_is(deployment: Deployment) -> None:
+    robot = deployment.description.robot
+    start = np.array(deployment.start.joints)
+    shoulder = Kinematics(robot).forward(start).points[1]
+    goal = shoulder + np.array([5.0, 0.0, 0.0])
+    assert nearest(robot, goal, np.zeros(3), start) == pytest.approx(5.0 - 0.88, abs=0.02)

@@ -1,0 +1,115 @@
+"""A robot on several hosts which are all this machine, by addresses of its own: no root needed."""
+
+import json
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from runtime import VERSION
+from runtime.config.deployment import load
+from runtime.config.overrides import Override
+from runtime.doctor.machine import Grade
+from runtime.doctor.network import Told, hosts, place, running
+from runtime.watching.discovery import Target
+from runtime.wire.fields import Spread
+from runtime.wire.messages import Diag
+from tests.runtime.conftest import ROOT, Robot, wait_for
+
+FILE = "arph-hosts.yaml"
+DEPLOYMENT = ROOT / "deploy" / FILE
+
+
+@pytest.mark.timeout(60)
+def test_each_host_s_share_is_started_by_hand_and_tools_on_one_find_all(robot: Robot) -> None:
+    options = ("--duration", "6s", "--set", "patience=20s")
+    shares = [
+        robot.launch("--host", name, *options, "--set", f"runs={robot.folder / name}", file=FILE)
+        for name in ("base", "arm", "robot")
+    ]
+
+    def status() -> Any:
+        said = robot.tool("status", "--json").stdout
+        return json.loads(said) if said.count('"alive": true') == 9 else None
+
+    seen = wait_for(status, "all nine processes in the status")
+    assert seen["robot"] == robot.name
+    said = [share.communicate(timeout=40)[0] for share in shares]
+    assert [share.returncode for share in shares] == [0, 0, 0], said
+    assert "the share of base ran to 6.00 s" in said[0]
+    assert "the share of arm ran to 6.00 s" in said[1]
+    assert "goal reached" in said[2]
+    assert robot.processes() == {}
+    assert {file.stem for file in (robot.folder / "arm").glob("*/*.jsonl")} == {
+        "launcher",
+        *(f"joint-{number}" for number in range(1, 7)),
+    }
+
+
+def test_a_share_of_no_host_is_refused(robot: Robot) -> None:
+    code, said = robot.run("--host", "amr", file=FILE)
+    assert (code, said) == (
+        2,
+        "msma: nothing runs on a host 'amr'; did you mean 'arm'? valid are robot, base, arm\n",
+    )
+
+
+def test_processes_of_another_machine_are_not_started_here(robot: Robot) -> None:
+    code, said = robot.run("--set", "hosts.arm=192.0.2.7", file=FILE)  # of nobody's, by RFC 5737
+    assert code == 1
+    assert "this one does not have address 192.0.2.7" in said
+    assert "--host" in said
+    assert robot.processes() == {}
+
+
+def diag(role: str = "plant", host: str = "here", **changes: Any) -> Told:
+    none = Spread(0.0, 0.0, 0.0)
+    said = Diag(
+        *(1.0, role, host, 42, "runs", 16.7, none, {}, {}, "auto", "/run", "a.yaml"),
+        version=VERSION,
+        clock=0,
+    )
+    ahead, give = changes.pop("ahead", 0.0), changes.pop("give", 0.001)
+    return Told(said._replace(**changes), ahead, give)
+
+
+@pytest.mark.parametrize(
+    ("told", "what", "grade", "parts"),
+    [
+        ([diag("joint/1")], "plant", Grade.BAD, ("none there", "msma revive plant")),
+        ([diag(), diag(host="there")], "arph", Grade.BAD, ("2 plants", "on here", "on there")),
+        ([diag(), diag("goal", version="9.9")], "versions", Grade.BAD, ("here has 9.9", VERSION)),
+        ([diag(), diag("goal", "far", ahead=-3.0)], "clocks", Grade.WARN, ("far", "3.00 s behind")),
+    ],
+)
+def test_doctor_says_what_is_wrong_with_a_robot_that_runs(
+    told: list[Told], what: str, grade: Grade, parts: tuple[str, ...]
+) -> None:
+    found = [one for one in running("arph", told) if (one.what, one.grade) == (what, grade)]
+    assert len(found) == 1
+    assert all(part in found[0].detail for part in parts)
+
+
+def test_doctor_says_nothing_of_a_robot_that_is_well() -> None:
+    told = [diag(), diag("joint/1", "there", ahead=0.3, give=0.4)]  # an answer that took long
+    assert [one.what for one in running("arph", told)] == ["arph"]
+
+
+@pytest.mark.parametrize(
+    ("address", "part"),
+    [("192.0.2.7", "cannot be reached"), ("no-such-host.invalid", "is no name")],
+)
+def test_doctor_says_which_host_cannot_be_reached(address: str, part: str) -> None:
+    deployment = load(DEPLOYMENT, [Override("--set", "hosts.arm", address)])
+    bad = {one.what: one.detail for one in hosts(deployment) if one.grade is Grade.BAD}
+    assert part in bad["host arm"]
+
+
+def test_doctor_sees_another_robot_of_the_same_name(make_robot: Callable[[], Robot]) -> None:
+    robot = make_robot()
+    robot.launch("--duration", "20s")
+    robot.until(0.1)
+    mesh = load(DEPLOYMENT).mesh._replace(base=65000)
+    found = [one for one in place(Target(robot.name, mesh), 9) if one.what == robot.name]
+    assert found[0].grade is Grade.BAD
+    assert "another robot of this name runs here" in found[0].detail

@@ -1,0 +1,96 @@
+import signal
+
+import pytest
+
+from runtime.watching.roster import Row
+from runtime.watching.watcher import View, Watcher, goal_at
+from runtime.wire import topics
+from runtime.wire.messages import GoalMessage
+from tests.runtime.conftest import ProcessGroup, wait_for
+
+GOAL = GoalMessage(0.0, (1.0, 2.0, 3.0), (0.1, 0.0, -0.1), since=2.0, until=4.0)
+
+
+@pytest.mark.parametrize(
+    ("t", "place"), [(0.0, (1.0, 2.0, 3.0)), (3.0, (1.1, 2.0, 2.9)), (9.0, (1.2, 2.0, 2.8))]
+)
+def test_a_goal_stands_still_before_and_after_its_time(t: float, place: tuple[float, ...]) -> None:
+    assert goal_at(GOAL, t) == pytest.approx(place)
+
+
+def test_a_watcher_sees_who_is_there_how_they_are_and_who_has_gone(processes: ProcessGroup) -> None:
+    processes.start("plant", "goal", "joint/1")
+    watcher = Watcher(processes.visit())
+
+    def seen(role: str, alive: bool) -> Row | None:
+        rows = [row for row in watcher.look().rows if row.role == role]
+        return rows[0] if rows and rows[0].alive == alive and rows[0].diag else None
+
+    row = wait_for(lambda: seen("joint/1", alive=True), "the agent")
+    assert row.diag is not None
+    assert row.diag.pid == processes.all["joint/1"].pid
+    wait_for(lambda: (seen("joint/1", alive=True) or row).answer, "its answer time")
+    processes.kill("joint/1")
+    assert wait_for(lambda: seen("joint/1", alive=False), "its end").answer is None
+    assert seen("plant", alive=True)
+
+
+def test_a_process_that_hangs_is_seen_to_be_gone_and_to_come_back(processes: ProcessGroup) -> None:
+    processes.start("joint/1")
+    watcher = Watcher(processes.visit())
+
+    def alive() -> list[bool]:
+        return [row.alive for row in watcher.look().rows]
+
+    wait_for(lambda: alive() == [True], "the agent")
+    processes.kill("joint/1", signal.SIGSTOP)
+    wait_for(lambda: alive() == [False], "its absence")
+    processes.kill("joint/1", signal.SIGCONT)
+    wait_for(lambda: alive() == [True], "its return")
+
+
+def test_who_waits_for_news_is_woken_by_who_goes(processes: ProcessGroup) -> None:
+    processes.start("joint/1")
+    watcher = Watcher(processes.visit())
+    wait_for(lambda: [row.alive for row in watcher.look().rows] == [True], "the agent")
+    watcher.wait(0.0)  # forget that it came
+    processes.kill("joint/1")
+    watcher.wait(60.0)
+    assert [row.alive for row in watcher.look().rows] == [False]
+
+
+def test_a_watcher_sees_hand_and_goal_and_how_far_they_are_apart(processes: ProcessGroup) -> None:
+    processes.start("plant", "goal", "joint/1")
+    watcher = Watcher(processes.visit())
+
+    def look() -> View | None:
+        view = watcher.look()
+        return view if view.t > 1.0 and view.error is not None else None
+
+    view = wait_for(look, "hand and goal")
+    assert view.goal == pytest.approx((0.2, -0.18 - 0.07 * view.t, 0.79 + 0.02 * view.t))
+    assert view.error is not None
+    assert view.worst is not None
+    assert 0.001 < view.error <= view.worst < 0.2
+
+
+def test_one_can_ask_all_how_they_are_without_waiting(processes: ProcessGroup) -> None:
+    processes.start("plant", "joint/1")
+    bus = processes.visit()
+    wait_for(lambda: len(bus.who_is_alive()) == 2, "both")
+    watcher = Watcher(bus)
+    watcher.ask_all()
+    rows = watcher.look().rows
+    assert [row.role for row in rows] == ["plant", "joint/1"]
+    assert all(row.alive and row.diag for row in rows)
+
+
+def test_what_is_asked_of_a_process_is_answered(processes: ProcessGroup) -> None:
+    processes.start("plant")
+    watcher = Watcher(processes.visit())
+    wait_for(lambda: watcher.look().rows, "the plant")
+    assert [answer.data for answer in watcher.fault("joint/1:locked")] == [b"ok"]
+    assert [answer.agreed for answer in watcher.fault("joint/1:tired")] == [False]
+    assert watcher.stop("joint/1", timeout=0.5) == []
+    assert [answer.data for answer in watcher.stop(topics.PLANT)] == [b"ok"]
+    assert processes.result("plant")[0] == 0

@@ -1,0 +1,247 @@
+"""The bus on the loopback device, with several places of it in one process."""
+
+import random
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack
+
+import pytest
+import zenoh
+
+from plant.errors import MsmaError
+from runtime.wire import topics
+from runtime.wire.bus import Bus, BusError, RingSubscriber
+from runtime.wire.mesh import LOOPBACK, on_loopback
+from runtime.wire.messages import LARGEST, JointCommand, pack, unpack
+from tests.runtime.conftest import ProcessGroup, wait_for
+
+KEY = topics.joint_command(1)
+ROLES = 4
+
+
+class Street:
+    """Places of one robot on the bus, all in this process."""
+
+    def __init__(self, processes: ProcessGroup, stack: ExitStack) -> None:
+        self._crew, self._stack = processes, stack
+
+    def join(self, slot: int, robot: str = "") -> Bus:
+        mesh = on_loopback(self._crew.port, ROLES)
+        place = mesh.seat(slot) if slot < ROLES else mesh.copy_seat(slot, LOOPBACK)
+        bus = Bus(robot or self._crew.robot, f"joint/{slot}", place, random.getrandbits(60))
+        return self._stack.enter_context(bus)
+
+    def visit(self) -> Bus:
+        bus = Bus(self._crew.robot, "tool", on_loopback(self._crew.port, ROLES).visitor(), 1)
+        return self._stack.enter_context(bus)
+
+
+@pytest.fixture
+def street(processes: ProcessGroup) -> Iterator[Street]:
+    with ExitStack() as stack:
+        yield Street(processes, stack)
+
+
+def arrives(sender: Bus, ring: RingSubscriber, key: str = KEY) -> JointCommand:
+    """Send until something arrives, as state is; return what arrived."""
+    publisher = sender.publisher(key)
+
+    def look() -> JointCommand | None:
+        publisher.send(JointCommand(1.0, 0.5))
+        for arrival in ring.waiting(1):
+            assert arrival.key == key
+            return unpack(JointCommand, arrival.data)
+        return None
+
+    return wait_for(look, f"a message on {key}")
+
+
+def test_messages_arrive_with_incarnation_and_a_number_that_counts_up(street: Street) -> None:
+    here, there = street.join(0), street.join(1)
+    ring = there.ring(KEY)
+    arrives(here, ring)
+    publisher = here.publisher(KEY)
+    seen: list[JointCommand] = []
+
+    def look() -> bool:
+        publisher.send(JointCommand(2.0, 0.1))
+        seen.extend(message for message in _all(ring) if message.t == 2.0)
+        return len(seen) >= 3
+
+    wait_for(look, "three of them")
+    numbers = [message.n for message in seen]  # a busy machine may drop some
+    assert numbers == sorted(set(numbers))
+    assert numbers[0] >= 1
+    assert {message.by for message in seen} == {here.incarnation}
+
+
+def _all(ring: RingSubscriber) -> list[JointCommand]:
+    return [unpack(JointCommand, arrival.data) for arrival in ring.waiting(8)]
+
+
+def test_a_ring_keeps_the_newest_and_drops_the_oldest(street: Street) -> None:
+    here, there = street.join(0), street.join(1)
+    ring = there.ring(KEY, depth=2)
+    arrives(here, ring)
+    for tick in range(100):  # none is dropped on the way, as they would be on a busy machine
+        data = pack(JointCommand(float(tick), 0.0))
+        here._session.put(KEY, data, congestion_control=zenoh.CongestionControl.BLOCK)
+    end = there.ring(topics.GOAL)
+    arrives(here, end, topics.GOAL)
+    assert [unpack(JointCommand, arrival.data).t for arrival in ring.waiting(8)] == [98.0, 99.0]
+
+
+def test_a_tray_tells_when_each_message_arrived(street: Street) -> None:
+    here, there = street.join(0), street.join(1)
+    sample_queue = there.sample_queue(KEY)
+    before = time.monotonic()
+    arrives(here, there.ring(KEY))
+    ((arrived, arrival), *_) = wait_for(
+        lambda: list(sample_queue.take()), "something on the sample_queue"
+    )
+    assert before <= arrived <= time.monotonic()
+    assert arrival.key == KEY
+
+
+def test_what_is_far_too_large_is_not_handed_on(street: Street) -> None:
+    here, there = street.join(0), street.join(1)
+    ring = there.ring(KEY)
+    arrives(here, ring)
+    # one that may be dropped may also be lost on the way, when the machine is busy
+    patient = zenoh.CongestionControl.BLOCK
+    here._session.put(KEY, bytes(10_000_000), congestion_control=patient)
+    sizes = wait_for(
+        lambda: [n for n in (len(one.data) for one in ring.waiting(8)) if n > 200], "the large one"
+    )
+    assert sizes == [LARGEST + 1]
+
+
+def test_no_message_crosses_to_another_robot_on_the_same_ports(street: Street) -> None:
+    ours, theirs, spy = street.join(0), street.join(1, "other"), street.join(2, "other")
+    ring = spy.ring("**")
+    publishers = ours.publisher(KEY), theirs.publisher(KEY)
+    seen: list[JointCommand] = []
+
+    def look() -> bool:
+        for publisher, t in zip(publishers, (9.0, 1.0), strict=True):
+            publisher.send(JointCommand(t, 0.0))
+        seen.extend(_all(ring))
+        return len(seen) >= 10
+
+    wait_for(look, "ten messages")
+    assert {message.t for message in seen} == {1.0}
+
+
+def test_a_newcomer_is_heard_whoever_was_first_and_has_gone(street: Street) -> None:
+    first, second = street.join(0), street.join(2)
+    arrives(first, second.ring(KEY))
+    first.close()
+    newcomer = street.join(1)
+    arrives(newcomer, second.ring(KEY))
+    again = street.join(0)
+    arrives(again, newcomer.ring(KEY))
+
+
+def test_a_port_that_is_taken_says_who_may_have_it_and_what_to_do(
+    street: Street, processes: ProcessGroup
+) -> None:
+    street.join(1)
+    with pytest.raises(BusError) as caught:
+        street.join(1)
+    for part in (
+        f"port {processes.port + 1} of {LOOPBACK}",
+        "joint/1",
+        processes.robot,
+        "msma stop",
+        "--copy",
+    ):
+        assert part in str(caught.value)
+
+
+def test_closing_wakes_who_waits_for_a_message(street: Street) -> None:
+    bus = street.join(0)
+    ring = bus.ring(KEY)
+    closer = threading.Timer(0.1, bus.close)
+    closer.start()
+    with pytest.raises(BusError):
+        ring.recv()
+    closer.join()
+
+
+def test_sending_on_a_closed_bus_says_so(street: Street) -> None:
+    bus = street.join(0)
+    publisher = bus.publisher(KEY)
+    bus.close()
+    with pytest.raises(BusError):
+        publisher.send(JointCommand(0.0, 0.0))
+
+
+def test_a_question_is_answered_by_all_even_on_the_same_key(street: Street) -> None:
+    one, two, tool = street.join(0), street.join(1), street.visit()
+    one.answer("ctl/joint/1/stop", lambda question: b"one " + question)
+    two.answer("ctl/joint/1/stop", lambda question: b"two " + question)
+
+    def ask() -> list[bytes] | None:
+        answers = sorted(answer.data for answer in tool.ask("ctl/joint/1/stop", b"now"))
+        return answers if len(answers) == 2 else None
+
+    assert wait_for(ask, "two answers") == [b"one now", b"two now"]
+
+
+def test_a_question_that_is_refused_gets_the_reason(street: Street) -> None:
+    def refuse(question: bytes) -> bytes:
+        raise MsmaError("there is no such joint")
+
+    here, tool = street.join(0), street.visit()
+    here.answer(topics.FAULT, refuse)
+    (answer,) = wait_for(lambda: tool.ask(topics.FAULT, b"joint/9:locked"), "an answer")
+    assert (answer.data, answer.agreed) == (b"there is no such joint", False)
+
+
+def test_a_question_that_nobody_answers_gets_no_answers(street: Street) -> None:
+    assert street.visit().ask("ctl/nobody/stop", timeout=0.5) == []
+
+
+def test_no_question_waits_for_a_bus_that_is_held_up(street: Street) -> None:
+    asking, other = street.join(0), street.join(1)
+    other.answer(topics.FAULT, lambda question: b"ok")
+    wait_for(lambda: asking.ask(topics.FAULT), "an answer")
+    held, released = threading.Event(), threading.Event()
+
+    def hold(*_: object) -> None:
+        held.set()
+        released.wait(20.0)  # in the one thread that does all of Zenoh's work, timers too
+
+    on_sample = other.on_sample(KEY, hold)
+    threading.Thread(target=on_sample.run, daemon=True).start()
+    publisher = asking.publisher(KEY)
+
+    def is_held() -> bool:
+        publisher.send(JointCommand(1.0, 0.5))
+        return held.is_set()
+
+    try:
+        wait_for(is_held, "the bus to be held up")
+        began = time.monotonic()
+        assert asking.ask(topics.FAULT, timeout=0.1) == []
+        assert time.monotonic() - began < 10.0
+    finally:
+        released.set()
+
+
+def test_tokens_show_who_comes_and_who_goes(street: Street) -> None:
+    seen: list[tuple[str, bool]] = []
+    early = street.join(0)
+    early.announce("plant")
+    tool = street.visit()
+    tool.watch_alive(lambda key, there: seen.append((key, there)))
+    late = street.join(1)
+    late.announce("joint/1")
+    plant = topics.alive("plant", early.incarnation)
+    joint = topics.alive("joint/1", late.incarnation)
+    wait_for(lambda: {(plant, True), (joint, True)} <= set(seen), "both")
+    assert set(tool.who_is_alive()) == {plant, joint}
+    late.close()
+    wait_for(lambda: (joint, False) in seen, "the end of one")
+    assert tool.who_is_alive() == [plant]

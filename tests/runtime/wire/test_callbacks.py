@@ -1,0 +1,169 @@
+"""Messages taken by the thread that receives them, or by the loop's own where that takes long."""
+
+import random
+import threading
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack
+from typing import NamedTuple
+
+import pytest
+
+from runtime.wire import topics
+from runtime.wire.bus import Bus
+from runtime.wire.mesh import on_loopback
+from runtime.wire.messages import JointCommand
+from runtime.wire.samples import Sample
+from runtime.wire.zenoh_internals.callbacks import CallbackSubscriber
+from tests.runtime.conftest import ProcessGroup, wait_for
+
+KEY = topics.joint_command(1)
+
+
+class Pair(NamedTuple):
+    """One process that sends, and one that reacts."""
+
+    here: Bus
+    there: Bus
+
+    def sends_until(self, look: Callable[[], bool], what: str) -> None:
+        """Send one message after another until `look` finds what it looks for."""
+        publisher = self.here.publisher(KEY)
+
+        def sent() -> bool:
+            publisher.send(JointCommand(1.0, 0.5))
+            return look()
+
+        wait_for(sent, what)
+
+
+@pytest.fixture
+def pair(processes: ProcessGroup) -> Iterator[Pair]:
+    mesh = on_loopback(processes.port, 2)
+    with ExitStack() as stack:
+        yield Pair(*[
+            stack.enter_context(
+                Bus(processes.robot, f"joint/{slot}", mesh.seat(slot), random.getrandbits(60))
+            )
+            for slot in range(2)
+        ])  # fmt: skip
+
+
+def begin(on_sample: CallbackSubscriber) -> threading.Thread:
+    thread = threading.Thread(target=on_sample.run)
+    thread.start()
+    return thread
+
+
+def test_a_short_reaction_is_made_where_the_message_is_received(pair: Pair) -> None:
+    threads: list[int] = []
+    on_sample = pair.there.on_sample(KEY, lambda *_: threads.append(threading.get_ident()))
+    thread = begin(on_sample)
+    pair.sends_until(lambda: thread.ident not in threads[-1:] != [], "a reaction")
+    pair.there.close()
+    thread.join(5.0)
+    assert not thread.is_alive()
+
+
+def test_reactions_that_take_long_are_left_to_the_loop_and_each_takes_all_that_waits(
+    pair: Pair,
+) -> None:
+    came: list[tuple[int, int]] = []
+
+    def react(arrivals: Sequence[Sample], _: float) -> None:
+        came.append((threading.get_ident(), len(arrivals)))
+        time.sleep(0.05)  # what it does, and not a wait for anything
+
+    thread = begin(pair.there.on_sample(KEY, react))
+    pair.sends_until(lambda: any(who == thread.ident and n > 1 for who, n in came), "a hand-over")
+    pair.there.close()
+    thread.join(5.0)
+    assert not thread.is_alive()
+
+
+def test_what_a_reaction_raises_reaches_the_loop(pair: Pair) -> None:
+    def react(_: Sequence[Sample], __: float) -> None:
+        raise ValueError("of its own")
+
+    on_sample = pair.there.on_sample(KEY, react)
+    raised: list[str] = []
+
+    def run() -> None:
+        try:
+            on_sample.run()
+        except ValueError as error:
+            raised.append(str(error))
+
+    thread = threading.Thread(target=run)
+    thread.start()
+    pair.sends_until(lambda: not thread.is_alive(), "its end")
+    assert raised == ["of its own"]
+
+
+def test_what_comes_afterwards_is_the_loop_s_and_nothing_waits_for_it(pair: Pair) -> None:
+    back, heard = (
+        pair.there.publisher(topics.joint_command(2)),
+        pair.here.ring(topics.joint_command(2)),
+    )
+    threads: list[int] = []
+    released = threading.Event()
+
+    def react(_: Sequence[Sample], __: float) -> None:
+        back.send(JointCommand(1.0, 0.5))
+        on_sample.leave()
+
+    def afterwards() -> None:
+        threads.append(threading.get_ident())
+        released.wait(20.0)
+
+    on_sample = pair.there.on_sample(KEY, react, afterwards=afterwards)
+    thread = begin(on_sample)
+    pair.sends_until(lambda: bool(threads), "what comes afterwards")
+    answers: list[Sample] = []
+
+    def answered() -> bool:
+        answers.extend(heard.waiting(8))
+        return len(answers) > 20
+
+    pair.sends_until(answered, "more answers")
+    assert threads == [thread.ident], "it goes on beside them all"
+    released.set()
+    wait_for(lambda: len(threads) > 1, "another, as was asked for meanwhile")
+    pair.there.close()
+    thread.join(5.0)
+    assert not thread.is_alive()
+
+
+def test_nothing_is_reacted_to_before_the_loop_runs(pair: Pair) -> None:
+    ring = pair.there.ring(KEY)
+    threads: list[int] = []
+    on_sample = pair.there.on_sample(KEY, lambda *_: threads.append(threading.get_ident()))
+    pair.sends_until(lambda: bool(list(ring.waiting(1))), "a message")
+    assert threads == []
+    thread = begin(on_sample)
+    wait_for(lambda: threads[:1] == [thread.ident], "a reaction to what came before")
+    pair.there.close()
+    thread.join(5.0)
+
+
+def test_silence_is_reacted_to_as_well_and_only_that(pair: Pair) -> None:
+    came: list[int] = []
+    on_sample = pair.there.on_sample(
+        KEY, lambda arrivals, _: came.append(len(arrivals)), silence=0.2
+    )
+    thread = begin(on_sample)
+    wait_for(lambda: came == [0, 0], "two reactions to nothing")
+    publisher = pair.here.publisher(KEY)
+    pair.sends_until(lambda: 1 in came, "a message")
+    del came[:]
+
+    def often() -> bool:
+        publisher.send(JointCommand(1.0, 0.5))
+        return len(came) >= 100
+
+    wait_for(often, "many messages")
+    assert 0 not in came, "it was never silent for so long"
+    wait_for(lambda: came[-1] == 0, "silence again")
+    pair.there.close()
+    thread.join(5.0)
+    assert not thread.is_alive()

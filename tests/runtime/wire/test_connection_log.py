@@ -1,0 +1,287 @@
+"""ConnectionLog of every kind, on every key, at a launched robot that is closed to them."""
+
+import random
+import socket
+import ssl
+import subprocess
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, suppress
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import pytest
+
+from runtime.tls.certificates import Authority, write_keys
+from runtime.watching.local import diags
+from runtime.wire import topics
+from runtime.wire.bus import Bus, RingSubscriber
+from runtime.wire.fields import MessageError
+from runtime.wire.mesh import FIRST_COPY, LOOPBACK, on_loopback, port_base
+from runtime.wire.messages import Message, pack, unpack
+from runtime.wire.security import OPERATOR, Credentials, names
+from runtime.wire.zenoh_internals.connection_log import ACCESS_LIST, REJECTED_CONNECTIONS, Rejection
+from tests.runtime.conftest import Robot, wait_for
+from tests.runtime.test_launch import ROLES
+from tests.runtime.wire.test_flood import samples
+
+BY = 77
+"""The incarnation that all strangers go by."""
+WILD = ("**", "arm/**", "arm/*", "arm/joint/*/cmd", "diag/**")
+TOKENS = {topics.alive(role, BY) for role in ("plant", "joint/1", "joint/2")}
+INSIDER = "joint/2"
+Tables = Mapping[str, Mapping[str, Mapping[str, int]]]
+"""Role to key to reason to how many were refused."""
+
+
+def attack(bus: Bus, spared: set[str], seconds: float) -> None:
+    """Say all that a robot can be told, give every order and answer in place of others."""
+    for key in (topics.stop("**"), topics.stop("plant"), topics.FAULT):
+        answers = bus.ask(key, b"joint/1:locked", timeout=0.5)
+        assert not any(answer.agreed for answer in answers)
+    for token in TOKENS - spared:
+        bus._session.liveliness().declare_token(token)
+    for key in (topics.FAULT, topics.stop("joint/1"), topics.diag("plant"), topics.diag("joint/1")):
+        bus.answer(key, lambda _: b"stranger")
+    publisher = bus._session.declare_publisher(topics.joint_command(1))
+    until, n = time.monotonic() + seconds, 0
+    while time.monotonic() < until:
+        n += 1
+        messages: dict[str, Message] = samples(n)
+        for key in set(messages) - spared:
+            bus._session.put(key, pack(messages[key]))
+        publisher.put(pack(messages[topics.joint_command(1)]))
+        for key in (*WILD, topics.diag("plant"), topics.diag("joint/1")):
+            bus._session.put(key, pack(messages[topics.joint_command(1)]))
+        time.sleep(0.01)
+
+
+class Siege:
+    """A run, all strangers at once in the midst of it, and what was to be seen of them."""
+
+    def __init__(self, robot: Robot, folder: Path) -> None:
+        self.robot, self._folder = robot, folder
+        self._mesh = on_loopback(port_base(robot.name), len(ROLES))
+        self._slot = FIRST_COPY
+        authority = Authority(robot.name, 10)
+        self.keys = folder / "keys"
+        write_keys(self.keys, authority, [*names(ROLES), "nobody"], [LOOPBACK])
+        options = ("--speed", "1.5", "--duration", "16s", "--set", f"security.keys={self.keys}")
+        launcher = robot.launch(*options, file="arph-secure.yaml")
+        robot.until(1.0)
+        with ExitStack() as self._stack:
+            self._besiege(authority)
+        self.out, self.err = launcher.communicate(timeout=60)
+        self.code = launcher.returncode
+
+    def _besiege(self, authority: Authority) -> None:
+        now = datetime.now(UTC)
+        expired = authority.issue("joint/1", [LOOPBACK], now - timedelta(9), now - timedelta(1))
+        other = Authority(self.robot.name, 10).issue("joint/1", [LOOPBACK])
+        self.outsiders = {
+            "without TLS": self._join(None),
+            "expired": self._join(self._with("expired", expired)),
+            "of another authority": self._join(self._with("other", other)),
+            "of no role": self._join(Credentials(self.keys, "nobody", tuple(ROLES))),
+        }
+        self._knock_without_a_certificate(authority)
+        insider = self._join(Credentials(self.keys, INSIDER, tuple(ROLES)))
+        rings = {kind: bus.ring("**") for kind, bus in self.outsiders.items()}
+        operator = Credentials(self.keys, OPERATOR, tuple(ROLES))
+        observer = self._bus(self._mesh.visitor(), operator)
+        seen = observer.sample_queue("**")
+        for bus in self.outsiders.values():
+            attack(bus, set(), 0.2)
+        attack(insider, {*topics.told_by(INSIDER), topics.alive(INSIDER, BY)}, 0.5)
+        self.seen = [(arrival.key, arrival.data) for _, arrival in seen.take()]
+        self.alive = observer.who_is_alive()
+        self.overheard = {kind: _strange(kind, ring) for kind, ring in rings.items()}
+        self.refused = self._all_counted(observer)
+        self.told = diags(observer)
+
+    def _with(self, name: str, pair: tuple[str, str]) -> Credentials:
+        """Return credentials of joint/1 with that pair of keys, and the robot's authority."""
+        folder = self._folder / name
+        folder.mkdir()
+        credentials = Credentials(folder, "joint/1", tuple(ROLES))
+        credentials.certificate.write_text(pair[0])
+        credentials.private_key.write_text(pair[1])
+        credentials.authority.write_bytes((self.keys / "ca.pem").read_bytes())
+        return credentials
+
+    def _join(self, credentials: Credentials | None) -> Bus:
+        """Take the next seat of a copy, which tools dial as well."""
+        place = self._mesh.copy_seat(self._slot, LOOPBACK)
+        self._slot += 1
+        return self._bus(place, credentials)
+
+    def _bus(self, place, credentials: Credentials | None) -> Bus:  # type: ignore[no-untyped-def]
+        bus = Bus(self.robot.name, "a stranger", place, random.getrandbits(60), credentials)
+        return self._stack.enter_context(bus)
+
+    def _knock_without_a_certificate(self, authority: Authority) -> None:
+        context = ssl.create_default_context(cadata=authority.certificate)
+        for slot in range(len(ROLES)):
+            address = (LOOPBACK, self._mesh.base + slot)
+            with (
+                suppress(OSError),
+                socket.create_connection(address, timeout=5.0) as link,
+                context.wrap_socket(link, server_hostname=LOOPBACK) as secured,
+            ):
+                secured.recv(1)
+
+    def _all_counted(self, observer: Bus) -> Tables:
+        """Return what each role has refused, once it has counted all kinds."""
+        wanted = {(REJECTED_CONNECTIONS, reason) for reason in REASONS} | {
+            (ACCESS_LIST, Rejection.NOT_ALLOWED)
+        }
+
+        def look() -> Tables:
+            tables: Tables = {diag.role: diag.refused for diag in diags(observer)}
+            counted = [
+                {(key, reason) for key, reasons in table.items() for reason in reasons}
+                for table in tables.values()
+            ]
+            return tables if len(tables) == len(ROLES) and all(map(wanted.__le__, counted)) else {}
+
+        return wait_for(look, "all strangers to be counted by all")
+
+
+REASONS = (
+    Rejection.NOT_TLS,
+    Rejection.NO_CERTIFICATE,
+    Rejection.EXPIRED,
+    Rejection.OTHER_AUTHORITY,
+    Rejection.NO_ROLE,
+)
+
+
+def _strange(kind: str, ring: RingSubscriber) -> list[str]:
+    """Return what an outsider has heard that he did not say himself."""
+    return [one.key for one in ring.waiting(8) if not _is_a_stranger_s(one.key, one.data)]
+
+
+def _is_a_stranger_s(key: str, data: bytes) -> bool:
+    kind = topics.kind_of(key)
+    if kind is None:
+        return True
+    with suppress(MessageError):
+        return unpack(kind, data).by == BY
+    return True
+
+
+@pytest.fixture(scope="module")
+def siege(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Siege]:
+    with ExitStack() as stack:
+        folder = tmp_path_factory.mktemp("siege")
+        yield Siege(Robot(folder, stack), folder)
+
+
+@pytest.mark.timeout(90)
+def test_the_run_reaches_its_goal(siege: Siege) -> None:
+    assert siege.code == 0, siege.out + siege.err
+    assert siege.robot.summary["evaluation"]["tracking"]["worst"] < 0.003
+
+
+@pytest.mark.parametrize("reason", REASONS)
+def test_every_process_counts_who_cannot_connect_by_reason(siege: Siege, reason: Rejection) -> None:
+    assert {
+        role for role, table in siege.refused.items() if table[REJECTED_CONNECTIONS][reason]
+    } == {*ROLES}
+
+
+def test_every_process_counts_what_a_name_is_not_allowed(siege: Siege) -> None:
+    assert all(table[ACCESS_LIST][Rejection.NOT_ALLOWED] > 10 for table in siege.refused.values())
+
+
+def test_nothing_of_it_comes_to_be_judged_as_a_message(siege: Siege) -> None:
+    for role, table in siege.refused.items():
+        assert set(table) == {REJECTED_CONNECTIONS, ACCESS_LIST}, role
+
+
+def test_a_tool_hears_nothing_that_a_stranger_says(siege: Siege) -> None:
+    assert {key for key, _ in siege.seen} >= {topics.HAND, topics.JOINTS, topics.GOAL}
+    assert [key for key, data in siege.seen if _is_a_stranger_s(key, data)] == []
+
+
+def test_no_outsider_hears_anything(siege: Siege) -> None:
+    assert siege.overheard == {kind: [] for kind in siege.outsiders}
+
+
+def test_nobody_is_seen_alive_or_answers_in_place_of_another(siege: Siege) -> None:
+    assert not TOKENS & set(siege.alive)
+    assert {diag.pid for diag in siege.told} <= set(map(siege.robot.pid, ROLES))
+    assert siege.told
+
+
+def test_no_order_of_a_stranger_is_carried_out(siege: Siege) -> None:
+    assert siege.robot.log("plant", "fault") == []
+    reasons = {role: siege.robot.log(role, "end")[-1]["reason"] for role in ROLES}
+    assert set(reasons.values()) == {"the run is over"}
+
+
+def test_the_logs_and_the_summary_tell_of_it(siege: Siege) -> None:
+    for role in ROLES:
+        told = {(line["key"], line["reason"]) for line in siege.robot.log(role, "refused")}
+        assert told >= {(REJECTED_CONNECTIONS, reason) for reason in REASONS}
+        came = [line["name"] for line in siege.robot.log(role, "joined")]
+        assert INSIDER in came
+        assert "nobody" in came
+    assert siege.robot.log("launcher", "refused")
+    plant = siege.robot.summary["processes"][0]
+    assert plant["refused"][ACCESS_LIST][Rejection.NOT_ALLOWED] > 10
+    assert "not allowed" in siege.out
+
+
+def test_no_process_and_no_file_is_left(siege: Siege) -> None:
+    assert siege.robot.processes() == {}
+    assert [path.name for path in siege.robot.folder.iterdir()] == ["runs"]
+    assert len(list((siege.robot.folder / "runs").iterdir())) == 1
+
+
+@pytest.mark.timeout(60)
+def test_a_robot_that_is_open_obeys_the_same_stranger(robot: Robot) -> None:
+    launcher = robot.launch("--duration", "4s", "--speed", "2")
+    robot.until(0.5)
+    mesh = on_loopback(port_base(robot.name), len(ROLES))
+    with Bus(robot.name, "a stranger", mesh.copy_seat(FIRST_COPY, LOOPBACK), 1) as bus:
+        until, n = time.monotonic() + 15, 0
+        while robot.t < 3.5 and time.monotonic() < until:
+            n += 1
+            for key, message in samples(n).items():
+                bus._session.put(key, pack(message))
+            time.sleep(0.02)
+    launcher.communicate(timeout=30)
+    assert launcher.returncode == 3
+
+
+def tool(robot: Robot) -> Callable[..., subprocess.CompletedProcess[str]]:
+    """Return what calls `msma` for a robot by the deployment of its run."""
+    file = str(robot.run_folder / "deployment.yaml")
+    return lambda verb, *arguments: robot.msma(verb, *arguments, "--file", file)
+
+
+@pytest.mark.timeout(60)
+def test_all_tools_work_by_the_operator_s_certificate(robot: Robot, tmp_path: Path) -> None:
+    where = tmp_path / "keys"
+    write_keys(where, Authority(robot.name, 10), names(ROLES), [LOOPBACK])
+    launcher = robot.launch(
+        *("--duration", "1h", "--set", f"security.keys={where}"), file="arph-secure.yaml"
+    )
+    robot.until(0.3)
+    msma = tool(robot)
+    assert msma("fault", "joint/4:weak=0.5").stdout == "joint/4:weak=0.5: ok\n"
+    assert '"key": "goal"' in msma("echo", "goal", "-n", "1").stdout
+    assert "arm/joint/1/cmd: " in msma("hz", "arm/joint/*/cmd", "--seconds", "0.3").stdout
+    assert msma("kill", "joint/2").stdout.startswith("killed joint/2")
+    assert msma("revive", "joint/2").returncode == 0
+    status = msma("status").stdout
+    assert [line.split()[0] for line in status.splitlines()[2 : 2 + len(ROLES)]] == ROLES
+    assert REJECTED_CONNECTIONS not in status
+    assert "runs already" in msma("doctor").stdout
+    said = robot.tool("status")
+    assert (said.returncode, said.stdout) == (1, "")
+    assert "security" in said.stderr
+    assert msma("stop").returncode == 0
+    launcher.communicate(timeout=15)
+    assert robot.processes() == {}

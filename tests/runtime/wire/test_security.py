@@ -1,0 +1,225 @@
+"""What each name may do on the bus, and that it may do nothing else: every name on every key."""
+
+import random
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from pathlib import Path
+
+import pytest
+import zenoh
+
+from runtime.tls.certificates import Authority, write_keys
+from runtime.wire import topics
+from runtime.wire.bus import Bus
+from runtime.wire.mesh import LOOPBACK, on_loopback
+from runtime.wire.security import OPERATOR, Credentials, names
+from tests.runtime.conftest import _free_ports, wait_for
+
+ROLES = ("plant", "goal", "joint/1", "joint/2", "platform")
+NAMES = names(ROLES)
+PUTS = {
+    "plant": {topics.HAND, topics.JOINTS, topics.PLATFORM, topics.KNOWN_GOAL},
+    "goal": {topics.GOAL},
+    "joint/1": {topics.joint_command(1)},
+    "joint/2": {topics.joint_command(2)},
+    "platform": {topics.PLATFORM_COMMAND},
+    OPERATOR: {topics.GOAL},
+}
+CONTRACT = set().union(*PUTS.values()) | {topics.diag(role) for role in ROLES}
+WILD = {
+    "**",
+    "arm/**",
+    "arm/joint/*/cmd",
+    "arm/*",
+    "diag/**",
+    "ctl/**",
+    "alive/**",
+    "arm/joint/1/**",
+}
+OTHERS = {
+    topics.stop("joint/1"),
+    topics.FAULT,
+    topics.alive("joint/1", 1),
+    "arm/joint/3/cmd",
+    "other",
+}
+
+
+class House:
+    """A robot whose every name has a place on the bus, all in this process."""
+
+    def __init__(self, folder: Path, stack: ExitStack) -> None:
+        self.folder, self._stack = folder, stack
+        self.port, mark = _free_ports()
+        stack.enter_context(mark)
+        self.robot = f"test-{self.port}"
+        self.authority = Authority(self.robot, 10)
+        write_keys(folder, self.authority, [*NAMES, "stranger"], [LOOPBACK])
+        self._copies = 0
+
+    def join(self, name: str, *, copy: bool = False) -> Bus:
+        """Join by the certificate of a name; an operator does as tools do."""
+        mesh = on_loopback(self.port, len(ROLES))
+        credentials = Credentials(self.folder, name, ROLES)
+        if copy or name not in NAMES:
+            place = mesh.copy_seat(96 + self._copies, LOOPBACK)
+            self._copies += 1
+        else:
+            place = mesh.visitor() if name == OPERATOR else mesh.seat(ROLES.index(name))
+        bus = Bus(self.robot, name, place, random.getrandbits(60), credentials)
+        return self._stack.enter_context(bus)
+
+
+@pytest.fixture(scope="module")
+def house(tmp_path_factory: pytest.TempPathFactory) -> Iterator[House]:
+    with ExitStack() as stack:
+        yield House(tmp_path_factory.mktemp("keys"), stack)
+
+
+@pytest.fixture(scope="module")
+def plant(house: House) -> Bus:
+    """One who receives all."""
+    return house.join("plant")
+
+
+@pytest.fixture(scope="module")
+def members(house: House, plant: Bus) -> dict[str, Bus]:
+    """A process of each name, connected to the receiver."""
+    members = {name: house.join(name, copy=name != OPERATOR) for name in (*NAMES, "stranger")}
+    for bus in members.values():
+        wait_for(lambda bus=bus: list(bus._session.info.peers_zid()), "a connection")  # type: ignore[misc]
+    return members
+
+
+def arrivals(plant: Bus, members: dict[str, Bus], send: Callable[[str, Bus], None]) -> set[str]:
+    """Return what arrived at the plant as `KEY by NAME`, of what was sent by `send` over and over.
+
+    That goes on until everybody's word has come through several times after it.
+    """
+    got: set[str] = set()
+    with plant._session.declare_subscriber(
+        "**", lambda sample: got.add(f"{sample.key_expr} by {sample.payload.to_string()}")
+    ):
+        for number in range(4):
+            words = {f"{min(PUTS[name])} by {name} {number}" for name in NAMES}
+
+            def all_heard(number: int = number, words: set[str] = words) -> bool:
+                for name, bus in members.items():
+                    send(name, bus)
+                    if name in PUTS:
+                        bus._session.put(min(PUTS[name]), f"{name} {number}")
+                time.sleep(0.02)
+                return words <= got
+
+            wait_for(all_heard, "everybody's word")
+    return {one for one in got if one.rpartition(" by ")[2] in members}
+
+
+def test_each_name_may_put_on_its_own_keys_and_on_no_other(
+    plant: Bus, members: dict[str, Bus]
+) -> None:
+    def send(name: str, bus: Bus) -> None:
+        for key in CONTRACT | WILD | OTHERS:
+            bus._session.put(key, name)
+            bus._session.delete(key)
+
+    own = {f"{key} by {name}" for name, puts in PUTS.items() for key in puts}
+    own |= {f"{topics.diag(role)} by {role}" for role in ROLES}
+    assert arrivals(plant, members, send) == own
+    assert {key.partition(" by ")[0] for key in own} == CONTRACT
+
+
+def test_a_put_through_a_declared_publisher_is_refused_too(
+    plant: Bus, members: dict[str, Bus]
+) -> None:
+    publisher = members["joint/2"]._session.declare_publisher(topics.joint_command(1))
+
+    def send(name: str, bus: Bus) -> None:
+        if name == "joint/2":
+            publisher.put(name)
+
+    assert arrivals(plant, members, send) == set()
+
+
+def test_each_role_is_seen_alive_as_itself_only(plant: Bus, members: dict[str, Bus]) -> None:
+    pairs = [(name, role) for name in members for role in ROLES]
+    tokens = {pair: topics.alive(pair[1], number) for number, pair in enumerate(pairs)}
+    with ExitStack() as stack:
+        for (name, _), key in tokens.items():
+            stack.enter_context(members[name]._session.liveliness().declare_token(key))
+        wanted = {tokens[role, role] for role in ROLES}
+        wait_for(lambda: set(plant.who_is_alive()) >= wanted, "all tokens")
+        assert set(plant.who_is_alive()) == wanted
+
+
+def asked(bus: Bus, key: str, question: bytes = b"") -> set[str]:
+    """Return who answers a question, as each says of itself."""
+    answers = bus.ask(key, question, timeout=2.0)
+    return {answer.data.decode() for answer in answers if answer.agreed}
+
+
+QUESTIONS = [topics.stop("plant"), topics.FAULT, "ctl/**", "ctl/**/stop", "ctl/plant/*"]
+
+
+@pytest.mark.parametrize("question", QUESTIONS)
+def test_only_an_operator_may_give_orders(
+    plant: Bus, members: dict[str, Bus], question: str
+) -> None:
+    asked_by: list[str] = []
+
+    def on_query(query: zenoh.Query) -> None:
+        assert query.payload is not None
+        asked_by.append(query.payload.to_string())
+        key = query.key_expr if "*" not in str(query.key_expr) else topics.stop("plant")
+        query.reply(key, b"plant")
+
+    with (
+        plant._session.declare_queryable(topics.stop("plant"), on_query),
+        plant._session.declare_queryable(topics.FAULT, on_query),
+    ):
+        wait_for(lambda: asked(members[OPERATOR], question, b"operator"), "an answer")
+        for name, bus in members.items():
+            answers = bus.ask(question, name.encode(), timeout=1.0)
+            assert any(answer.agreed for answer in answers) == (name == OPERATOR), name
+    assert set(asked_by) == {OPERATOR}
+
+
+def test_all_but_strangers_may_ask_how_others_are(plant: Bus, members: dict[str, Bus]) -> None:
+    plant.answer(topics.diag("plant"), lambda _: b"plant")
+    wait_for(lambda: asked(members[OPERATOR], topics.diag("plant")), "an answer")
+    for name, bus in members.items():
+        assert asked(bus, topics.EVERY_DIAG) == (set() if name == "stranger" else {"plant"}), name
+
+
+def test_each_role_answers_what_itself_is_asked_only(plant: Bus, members: dict[str, Bus]) -> None:
+    with ExitStack() as stack:
+        for name, bus in members.items():
+            if name == OPERATOR:
+                continue
+            for role in ROLES[1:]:
+                for key in (topics.stop(role), topics.diag(role)):
+
+                    def on_query(query: zenoh.Query, name: str = name, key: str = key) -> None:
+                        query.reply(key, name)
+
+                    stack.enter_context(bus._session.declare_queryable(key, on_query))
+        operator = members[OPERATOR]
+        for role in ROLES[1:]:
+            for key in (topics.stop(role), topics.diag(role)):
+                wait_for(lambda key=key: asked(operator, key), f"an answer on {key}")  # type: ignore[misc]
+                assert asked(operator, key) == {role}, key
+
+
+def test_a_stranger_hears_nothing(plant: Bus, members: dict[str, Bus]) -> None:
+    rings = {name: bus.ring("**") for name, bus in members.items()}
+    heard: set[str] = set()
+
+    def all_hear() -> bool:
+        plant._session.put(topics.HAND, b"here")
+        for name, ring in rings.items():
+            heard.update(name for _ in ring.waiting(8))
+        return heard >= set(NAMES)
+
+    wait_for(all_hear, "all to hear")
+    assert heard == set(NAMES)
