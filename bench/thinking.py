@@ -10,7 +10,7 @@ import numpy as np
 from agents.agent import Agent, Array, Body, Goal, Percepts
 from agents.joint import JointAgent
 from bench.ours import ARPH, deployed
-from plant.motion import Commands
+from plant.plant import Commands
 from plant.robot import Robot
 from plant.simulator import Simulator
 from plant.urdf import load

@@ -8,8 +8,9 @@ import numpy as np
 
 from plant.faults import Fault
 from plant.kinematics import ArmPose, quaternion
-from plant.motion import Commands, Row, State, stopping_speed
-from plant.robot import Array, Numbers, Robot
+from plant.motion import State, stopping_speed
+from plant.plant import Commands
+from plant.robot import Array, Numbers, Robot, Row
 
 RUNAWAY_INTERVAL = 0.5
 """Mean time for which a joint that runs away keeps one random speed [s]."""

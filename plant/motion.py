@@ -2,14 +2,12 @@
 
 import math
 from functools import cached_property, lru_cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from plant.robot import Array, Numbers, Robot
-
-Row = Array | Numbers
-"""An array (..., k), or the k plain numbers of a lone robot."""
+from plant.plant import Commands
+from plant.robot import Array, Numbers, Robot, Row
 
 
 class State:
@@ -71,23 +69,6 @@ def _array(row: Row) -> Array:
     array = np.array(row)
     array.flags.writeable = False
     return array
-
-
-STILL = np.zeros(2)
-"""The platform command for standing still."""
-STILL.flags.writeable = False
-
-
-class Commands(NamedTuple):
-    """What the motors are told; a lone robot's may be plain numbers.
-
-    Attributes:
-        joints: (..., n), [rad/s].
-        base: (..., 2), speed forward [m/s], turning speed [rad/s]; of no effect without a drive.
-    """
-
-    joints: Row
-    base: Row = STILL
 
 
 def step(robot: Robot, state: State, commands: Commands, period: float) -> State:

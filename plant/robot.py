@@ -11,6 +11,8 @@ from plant.errors import MsmaError
 
 Array = npt.NDArray[np.float64]
 Numbers = tuple[float, ...]
+Row = Array | Numbers
+"""An array (..., k) of a batch of robots, or the k plain numbers of one robot."""
 
 
 class RobotError(MsmaError, ValueError):

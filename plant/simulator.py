@@ -9,7 +9,8 @@ import numpy as np
 from plant.effects import Effects, Encoders, Readings, Sighting
 from plant.faults import Fault
 from plant.kinematics import ArmPose, kinematics_of, quaternion_of_one
-from plant.motion import Commands, State, step
+from plant.motion import State, step
+from plant.plant import Commands
 from plant.robot import Array, Robot, RobotError
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from agents.agent import Agent, Array, Body, Goal, Joints, Percepts
 from agents.joint import JointAgent
 from plant.faults import Fault
-from plant.motion import Commands
+from plant.plant import Commands
 from plant.robot import Robot
 from plant.simulator import Simulator
 

@@ -5,7 +5,7 @@ from abc import ABC, abstractmethod
 import numpy as np
 
 from agents.agent import Agent, Array, Percepts
-from plant.motion import Commands
+from plant.plant import Commands
 from plant.robot import Robot
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from qpsolvers import solve_qp
 
 from agents.agent import Array, Percepts
-from plant.motion import Commands
+from plant.plant import Commands
 from plant.robot import Robot
 from studies.central import Central
 from studies.mim import Mim, manipulability

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from plant.faults import Fault
-from plant.motion import Commands, State, stopping_speed
+from plant.motion import State, stopping_speed
+from plant.plant import Commands
 from plant.robot import Array, Robot
 from plant.simulator import Simulator
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from agents.agent import Agent, Array, Goal, Joints, Percepts
 from plant.faults import Fault
-from plant.motion import Commands
+from plant.plant import Commands
 from plant.simulator import Simulator
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from agents.agent import Array, Percepts
 from plant.kinematics import Kinematics
-from plant.motion import Commands
+from plant.plant import Commands
 from plant.robot import Robot
 from studies.central import Central
 

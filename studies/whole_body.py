@@ -15,7 +15,7 @@ from pink.limits import ConfigurationLimit, VelocityLimit
 from pink.tasks import FrameTask, PostureTask, Task
 
 from agents.agent import Array, Percepts
-from plant.motion import Commands
+from plant.plant import Commands
 from plant.robot import Robot
 from studies.central import Central
 from studies.mobile import POSTURE

@@ -18,7 +18,7 @@ import numpy as np
 from agents.agent import Agent, Array, Joints, Percepts
 from agents.paths import Path
 from plant.faults import Fault
-from plant.motion import Commands
+from plant.plant import Commands
 from plant.simulator import Simulator
 from runtime.chaos.schedule import Due, Schedule
 from runtime.config.chaos import ChaosEvent

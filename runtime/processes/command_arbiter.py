@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable
 from typing import NamedTuple
 
-from plant.motion import Commands
+from plant.plant import Commands
 from plant.robot import Robot
 from runtime.wire import topics
 from runtime.wire.arbitration import TopicInput

@@ -3,7 +3,7 @@
 import numpy as np
 
 from plant.faults import Fault
-from plant.motion import Commands
+from plant.plant import Commands
 from plant.robot import Array
 from plant.simulator import Simulator
 from plant.urdf import load

@@ -7,7 +7,7 @@ import pytest
 
 from plant.effects import RUNAWAY_INTERVAL
 from plant.faults import Fault
-from plant.motion import Commands
+from plant.plant import Commands
 from plant.robot import Array
 from plant.simulator import Simulator
 from plant.urdf import load

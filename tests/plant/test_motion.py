@@ -9,7 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from plant.motion import Commands, State, arc, step, stopping_speed
+from plant.motion import State, arc, step, stopping_speed
+from plant.plant import Commands
 from plant.robot import Array
 from plant.urdf import load
 

@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 
 from plant.kinematics import Kinematics
-from plant.motion import Commands, State, step
+from plant.motion import State, step
+from plant.plant import Commands
 from studies.mobile import ARPH, BASE, POSTURE, task
 from studies.plans import STEP, Since, earliest, plan
 from studies.reach import heights, high_enough

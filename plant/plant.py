@@ -1,0 +1,148 @@
+"""A plant: what moves when it is commanded, whether it is simulated or real."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import ClassVar, NamedTuple
+
+from plant.faults import Fault, FaultError
+from plant.robot import Robot, Row
+
+
+class Sensor(NamedTuple):
+    """A sensor that a plant has beyond those that every plant has.
+
+    Attributes:
+        key: The topic on which it is published, such as `platform/ranges`.
+        percept: The name by which an agent asks for it, such as `ranges`.
+        reading: The type of what it measures: a NamedTuple or a frozen dataclass of floats,
+            tuples of floats, ints or strings, with units in its docstring.
+    """
+
+    key: str
+    percept: str
+    reading: type
+
+
+class Commands(NamedTuple):
+    """The speeds that the motors are to have.
+
+    Attributes:
+        joints: (..., n) [rad/s].
+        base: (..., 2) forward [m/s] and turning [rad/s]; of no effect without a drive.
+    """
+
+    joints: Row
+    base: Row = (0.0, 0.0)
+
+
+class Readings(NamedTuple):
+    """What the sensors measure: plain numbers of one robot, arrays of a batch of robots.
+
+    Attributes:
+        t: Plant time [s], which starts near 0 and never goes back.
+        q: (..., n) of the encoders [rad]; NaN where one is lost.
+        qd: (..., n) of the encoders [rad/s]; NaN likewise.
+        position: (..., 3) of the tip in the world [m] by the localiser; None when it is lost.
+        rotation: (..., 3, 3), or 9 row by row: the tip's x, y and z directions in the world as
+            columns, by the localiser; None when it is lost.
+        base: (..., 3) x, y [m] and heading [rad] in the world; None without a drive.
+        sensors: By percept, the readings of `Plant.sensors` that there are at this time.
+    """
+
+    t: float
+    q: Row
+    qd: Row
+    position: Row | None = None
+    rotation: Row | None = None
+    base: Row | None = None
+    sensors: Mapping[str, object] = MappingProxyType({})
+
+
+class Truth(NamedTuple):
+    """How the robot truly moves, for judging a run; shapes and units as in `Readings`.
+
+    Attributes:
+        t: Plant time [s].
+        q: Joint angles.
+        qd: Joint speeds.
+        base: x, y and heading in the world, zeros without a drive.
+        base_velocity: (..., 2) forward [m/s] and turning [rad/s].
+        position: Of the tip in the world.
+        rotation: Of the tip in the world.
+    """
+
+    t: float
+    q: Row
+    qd: Row
+    base: Row
+    base_velocity: Row
+    position: Row
+    rotation: Row
+
+
+@dataclass(frozen=True, eq=False)
+class Setup:
+    """What every plant is made with.
+
+    Attributes:
+        robot: What it moves.
+        q: (..., n) joint angles to start from [rad]; leading dimensions are a batch of robots.
+        base: (..., 3) x, y [m] and heading [rad] to start from; None for zeros.
+        period: Of the control loop [s].
+        seed: Of all that is random in it.
+    """
+
+    robot: Robot
+    q: Row
+    base: Row | None = None
+    period: float = field(kw_only=True)
+    seed: int | Sequence[int] = field(default=0, kw_only=True)
+
+
+class Plant(ABC):
+    """The robot as its control loop sees it: each period `write`, `step` and `read`, in this order.
+
+    A deployment names a class `module:Class`. Its constructor is `Class(setup, *, options...)`:
+    the keyword parameters, with their annotations, are what a deployment file may set. It may
+    raise `ValueError` for them, but touches nothing outside itself: files are checked by making
+    one, also where the robot is not.
+    """
+
+    sensors: ClassVar[tuple[Sensor, ...]] = ()
+    """The sensors that it has beyond encoders, localiser and odometry."""
+
+    def __init__(self, setup: Setup) -> None:
+        """Be the plant of that robot, not connected to anything yet."""
+        self.robot, self.period = setup.robot, setup.period
+
+    def open(self) -> None:  # noqa: B027 - a simulated one has nothing to open
+        """Connect to what it drives. Called once, before all that follows."""
+
+    @abstractmethod
+    def write(self, commands: Commands) -> None:
+        """Take the speeds for the coming period; they are finite and within the robot's limits."""
+
+    @abstractmethod
+    def step(self) -> None:
+        """Go on by one period. Called once a period of real time: a real robot just moves."""
+
+    @abstractmethod
+    def read(self) -> Readings:
+        """Return what the sensors measure now."""
+
+    def close(self) -> None:  # noqa: B027 - nor to close
+        """Bring the robot to rest and let go of it. Called once, whatever has happened."""
+
+    def truth(self) -> Truth | None:
+        """Return how the robot truly is; None, as by default, if nothing but its sensors tells."""
+        return None
+
+    def check_fault(self, fault: Fault) -> None:
+        """Raise `FaultError` for a fault that it cannot be given: by default, for every one."""
+        raise FaultError(f"{fault}: a {type(self).__name__} cannot be given faults")
+
+    def inject(self, fault: Fault) -> None:
+        """Let a fault begin now, or end with kind `ok`; raise `FaultError` like `check_fault`."""
+        self.check_fault(fault)
