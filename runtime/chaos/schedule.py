@@ -1,7 +1,6 @@
-"""What is due when: the chaos of a deployment, and the way to end processes. No clock in here."""
+"""What chaos is due when, by plant time. Pure: there is no clock in here."""
 
 from collections.abc import Iterable
-from enum import Enum
 from typing import NamedTuple
 
 from runtime.config.chaos import LAUNCHER, ChaosEvent
@@ -34,35 +33,3 @@ class Schedule:
         count = sum(due.at <= t for due in self._left)
         now, self._left = self._left[:count], self._left[count:]
         return now
-
-
-class Means(Enum):
-    """How a process is made to end, in the order in which they are tried."""
-
-    ASK = "stop"
-    TERMINATE = "SIGTERM"
-    KILL = "SIGKILL"
-
-
-ALL_MEANS = tuple(Means)
-FORCE = (Means.TERMINATE, Means.KILL)
-
-
-class Escalation:
-    """From asking to killing, each once, with some time to obey after each.
-
-    began: when the end was wanted [s], on the clock of what follows
-    means: what to try
-    pause: the time to obey [s]
-    """
-
-    def __init__(
-        self, began: float, means: Iterable[Means] = ALL_MEANS, pause: float = 0.6
-    ) -> None:
-        self._left = [(began + index * pause, each) for index, each in enumerate(means)]
-
-    def due(self, now: float) -> list[Means]:
-        """Return what is to be tried `now` [s]."""
-        due = [means for at, means in self._left if at <= now]
-        self._left = self._left[len(due) :]
-        return due

@@ -5,19 +5,20 @@ No process needs it: once they run, it may be killed and nobody notices.
 
 import signal
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from runtime.chaos.injector import FaultInjector, Network, check_means
-from runtime.chaos.schedule import ALL_MEANS, FORCE, Escalation, Means, Schedule
+from runtime.chaos.schedule import Schedule
 from runtime.chaos.successor import start_successor
 from runtime.config.chaos import ChaosEvent
 from runtime.config.deployment import Deployment
 from runtime.errors import RunError
 from runtime.processes.lifetime import Lifetime, Shutdown
 from runtime.processes.log_writer import LogWriter, new_run_folder
+from runtime.spawning.escalation import ALL_MEANS, FORCE, Escalation, Means, end_all
 from runtime.spawning.local import LocalProcesses, ProcessExit, ProcessGroup
 from runtime.tls.verification import verify_all
 from runtime.watching.watcher import View, Watcher
@@ -122,7 +123,10 @@ class Launcher:
         Whatever happens, no process that was started is left when this returns.
         """
         self._ending.catch_signals()
-        try:
+        with ExitStack() as cleanup:  # goes through all steps, also when one raises
+            cleanup.callback(self._children.tidy)
+            cleanup.callback(self._journal.close)
+            cleanup.callback(self._end, FORCE)
             self._children.start(self._members)
             with self._look_out(), self._visit() as bus:
                 self._watcher = Watcher(bus)
@@ -132,10 +136,6 @@ class Launcher:
                     self._finish()
                 finally:
                     self._screen.close()
-        finally:
-            self._end(Escalation(time.monotonic(), FORCE))
-            self._journal.close()
-            self._children.tidy()
         return RunOutcome(
             self._ending.code,
             self._ending.reason or "",
@@ -199,7 +199,7 @@ class Launcher:
             }
             self._note_gone()
             for ended in self._children.ended():
-                self._note_end(ended)
+                self._check_end(ended)
             for due in self._schedule.due(min(before, self._view.t)):  # not by one wrong t
                 if due.event.role is not None:
                     self._starting.discard(due.event.role)
@@ -223,10 +223,14 @@ class Launcher:
             self._journal.write(self._view.t, "gone", role=role, by=f"{by:x}", ago=round(ago, 6))
         self._there = {by: row.role for by, row in there.items()}
 
-    def _note_end(self, ended: ProcessExit) -> None:
+    def _check_end(self, ended: ProcessExit) -> None:
+        """Note the end of a process; `RunError` if it had not started yet."""
         if ended.role in self._starting and ended.code > 0:  # who is killed did start
             raise RunError(f"{ended.role} did not start: {ended.said or ended.how}")
         self._starting.discard(ended.role)
+        self._note_end(ended)
+
+    def _note_end(self, ended: ProcessExit) -> None:
         if ended.code:
             self._happened(f"{ended.role} {ended.how}", pid=ended.pid, code=ended.code)
 
@@ -235,25 +239,22 @@ class Launcher:
         interrupted = self._ending.reason is not None
         alone = not self._starting and len(self._members) == len(self._deployment.processes)
         means = ALL_MEANS if alone else FORCE  # others may have the name, and run
-        began = time.monotonic() + (0.0 if interrupted else _AMPLE)
-        for ended in self._end(Escalation(began, means)):
-            if ended.code:
-                self._happened(f"{ended.role} {ended.how}", pid=ended.pid, code=ended.code)
+        self._end(means, after=0.0 if interrupted else _AMPLE, ended=self._note_end)
         self._ending.ask("the run is over")
 
-    def _end(self, escalation: Escalation) -> list[ProcessExit]:
-        """Wait until no process is left, and return how they ended; kill at a second Ctrl-C."""
-        all_ended = []
+    def _end(
+        self,
+        means: Sequence[Means],
+        after: float = 0.0,
+        ended: Callable[[ProcessExit], None] = lambda one: None,
+    ) -> None:
+        """Wait until no process is left, and from `after` [s] on end them; kill at Ctrl-C."""
         signal.signal(signal.SIGINT, lambda *_: self._children.signal(signal.SIGKILL))
-        while self._children:
-            for means in escalation.due(time.monotonic()):
-                if means is Means.ASK:
-                    self._watcher.stop("**", _ANSWER)
-                else:
-                    self._children.signal(signal.Signals[means.value])
-            all_ended += self._children.ended()
-            time.sleep(_TURN)
-        return all_ended
+        escalation = Escalation(time.monotonic() + after, means)
+        end_all(self._children, escalation, ask=self._ask_to_stop, ended=ended)
+
+    def _ask_to_stop(self) -> None:
+        self._watcher.stop("**", _ANSWER)
 
     def _happened(self, text: str, **more: object) -> None:
         t = self._view.t

@@ -112,6 +112,12 @@ class _Copy:
             self._code = LOST if code is None else code
         return self._code
 
+    def send_signal(self, number: int, /) -> None:
+        """Send it a signal, unless it has ended: never another process that has its id now."""
+        if self._handle is not None:
+            with suppress(ProcessLookupError):
+                signal.pidfd_send_signal(self._handle, number)
+
 
 def import_needed(role: str | None = None) -> None:
     """Import what the process of a role needs, or of any, so that the copies need not."""

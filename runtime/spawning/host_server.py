@@ -15,19 +15,19 @@ import time
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
+from signal import Signals
 from typing import Any
 
 import yaml
 
 from plant.errors import MsmaError
-from runtime.chaos.schedule import FORCE, Escalation
 from runtime.config.deployment import ProcessSpec, load
-from runtime.spawning.local import LocalProcesses
+from runtime.spawning.escalation import FORCE, Escalation, end_all
+from runtime.spawning.local import LocalProcesses, ProcessExit
 from runtime.tls.key_files import KEYS, write
 
 _TURN = 0.02  # [s] between two looks at the processes
 _CHUNK = 48 * 1024  # [bytes] of a file that go in one line
-_ASKED_TO_END = "asked to end"
 
 
 def serve(*, stays: bool) -> int:
@@ -73,27 +73,30 @@ class _HostServer:
         self.ended = False
         self._run = Path()
         self._own_folder = False
+        self._number = 0  # of the request that is carried out
 
     def obey(self, order: Mapping[str, Any]) -> None:
-        """Carry out an order; what cannot be done is said."""
+        """Carry out a request; what cannot be done is said."""
+        more = {name: value for name, value in order.items() if name not in ("do", "number")}
+        self._number = order["number"]
         try:
-            getattr(self, f"_{order['do']}")(**{k: v for k, v in order.items() if k != "do"})
+            getattr(self, f"_{order['do']}")(**more)
         except (MsmaError, OSError) as error:
-            self._say("refused", why=str(error))
+            self._answer("refused", why=str(error))
 
     def look(self) -> None:
         """Say who has ended."""
         for one in self.processes.ended() if self.processes is not None else ():
-            self._say("ended", role=one.role, pid=one.pid, code=one.code, said_last=one.said)
+            self._say_ended(one)
+
+    def _say_ended(self, one: ProcessExit) -> None:
+        self._say("ended", role=one.role, pid=one.pid, code=one.code, said_last=one.said)
 
     def end(self) -> None:
         """End all processes, by force in the end."""
-        escalation = Escalation(time.monotonic(), FORCE)
-        while self.processes:
-            for means in escalation.due(time.monotonic()):
-                self.processes.signal(signal.Signals[means.value])
-            self.look()
-            time.sleep(_TURN)
+        if self.processes is not None:
+            escalation = Escalation(time.monotonic(), FORCE)
+            end_all(self.processes, escalation, ended=self._say_ended)
         self.ended = True
 
     def forget_keys(self) -> None:
@@ -120,13 +123,13 @@ class _HostServer:
             self._take_keys(keys or {})
             load(file)
         self.processes = LocalProcesses(self._run)
-        self._say("began")
+        self._answer("began")
 
     def _start(self, processes: list[tuple[str, str, bool]]) -> None:
         assert self.processes is not None
         self.processes.start(ProcessSpec(*one) for one in processes)
         roles = dict.fromkeys(role for role, _, _ in processes)
-        self._say("started", pids=[(role, pid) for role in roles for pid in self._pids(role)])
+        self._answer("started", pids=[(role, pid) for role in roles for pid in self._pids(role)])
 
     def _take_keys(self, keys: Mapping[str, str]) -> None:
         if keys:
@@ -135,19 +138,19 @@ class _HostServer:
     def _revive(self, role: str, home: str, copy: bool, keys: Mapping[str, str]) -> None:
         assert self.processes is not None
         self._take_keys(keys)
-        self._say("started", pids=[(role, self.processes.revive(role, home, copy=copy))])
+        self._answer("started", pids=[(role, self.processes.revive(role, home, copy=copy))])
 
     def _pids(self, role: str) -> list[int]:
         assert self.processes is not None
         return self.processes.pids(role)
 
-    def _signal(self, number: int, role: str | None, pid: int | None) -> None:
+    def _signal(self, signal: int, role: str | None, pid: int | None) -> None:
         """Send a signal to a process, if it is still there; without a role to all."""
         assert self.processes is not None
         if role is None:
-            self.processes.signal(signal.Signals(number))
+            self.processes.signal(Signals(signal))
         elif pid is not None:
-            self.processes.send(role, pid, signal.Signals(number))
+            self.processes.send(role, pid, Signals(signal))
 
     def _bring(self) -> None:
         """Send what was written, and leave nothing."""
@@ -158,13 +161,17 @@ class _HostServer:
             with path.open("rb") as stream:
                 while data := stream.read(_CHUNK):
                     self._say("file", name=path.name, data=base64.b64encode(data).decode())
-        self._say("brought")
+        self._answer("brought")
         if self._own_folder:
             shutil.rmtree(self._run)
             with suppress(OSError):  # others are in them
                 self._run.parent.rmdir()
                 self._run.parent.parent.rmdir()
         self.ended = True
+
+    def _answer(self, what: str, **more: object) -> None:
+        """Answer the request that is carried out."""
+        self._say(what, number=self._number, **more)
 
     def _say(self, what: str, **more: object) -> None:
         """Send a line, into nothing if nobody reads any more."""

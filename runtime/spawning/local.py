@@ -137,9 +137,9 @@ class LocalProcesses:
         send(pid, number)
 
     def signal(self, number: signal.Signals) -> None:
-        """Send a signal to all that live: by their ids, which are theirs until `ended` says so."""
+        """Send a signal to all that live."""
         for _, child in self._living:
-            os.kill(child.pid, number)
+            child.send_signal(number)
 
     def ended(self) -> list[ProcessExit]:
         """Return those that were found to have ended since this was last asked."""

@@ -1,6 +1,7 @@
 """The processes of a run on several hosts, each told what to do by a line: see `share.py`."""
 
 import base64
+import itertools
 import json
 import math
 import queue
@@ -20,70 +21,115 @@ from runtime.spawning.tasks import LOST
 from runtime.tls.key_files import moved, of_roles
 from runtime.wire.topics import PLANT
 
-_PATIENCE = 20.0  # [s] for a host to answer at first
-_ANSWER = 2.0  # [s] for one to do as it is told later on
+_FIRST_ANSWER = 20.0  # [s] for a host to answer at first
+_ANSWER = 2.0  # [s] for one to answer later on
 _LEAVE = 2.0  # [s] for the other end to go when it is asked no more
 
 
+class HostProcesses:
+    """The processes of one host, from what the host says in whatever order it arrives.
+
+    Attributes:
+        pids: Role and id of each process that lives there, the newest last.
+    """
+
+    def __init__(self, name: str) -> None:
+        self.pids: list[tuple[str, int]] = []
+        self._name = name
+
+    def take(self, said: Mapping[str, Any]) -> list[ProcessExit]:
+        """Take a message of the host, and return the processes that it says have ended.
+
+        The end of a process that is not known to live is ignored: it was given up before.
+        """
+        if said["said"] == "started":
+            self.pids += [(role, pid) for role, pid in said["pids"]]
+        elif said["said"] == "ended" and (said["role"], said["pid"]) in self.pids:
+            self.pids.remove((said["role"], said["pid"]))
+            return [ProcessExit(said["role"], said["pid"], said["code"], said["said_last"])]
+        return []
+
+    def lose(self, why: str) -> list[ProcessExit]:
+        """Give up all processes there, and return them as ended."""
+        what = f"host {self._name}: {why}"
+        lost = [ProcessExit(role, pid, LOST, what) for role, pid in self.pids]
+        self.pids.clear()
+        return lost
+
+
 class _Host:
-    """One host: orders go out, and what it says comes in by a thread of its own."""
+    """One host: requests go out, and a thread of its own takes in what it says."""
 
     def __init__(self, name: str, process: "subprocess.Popen[bytes]", out: Path) -> None:
         self.name, self.process, self._out = name, process, out
-        self.pids: list[tuple[str, int]] = []
+        self.processes = HostProcesses(name)
         self._said: queue.SimpleQueue[dict[str, Any]] = queue.SimpleQueue()
-        self._kept: list[dict[str, Any]] = []  # what came while something else was awaited
+        self._ended: list[ProcessExit] = []  # that `ended` has not returned yet
+        self._requests = itertools.count(1)
         threading.Thread(target=self._listen, daemon=True).start()
 
     def _listen(self) -> None:
         assert self.process.stdout is not None
         for line in self.process.stdout:
             with suppress(ValueError):  # what is no JSON is a greeting of the host
-                self._said.put(json.loads(line))
+                said = json.loads(line)
+                if isinstance(said, dict) and "said" in said:
+                    self._said.put(said)
         self._said.put({"said": "gone"})
 
-    def tell(self, do: str, **more: object) -> None:
-        """Give an order; one that nobody hears is lost with the host."""
-        assert self.process.stdin is not None
-        with suppress(OSError):
-            self.process.stdin.write(json.dumps({"do": do, **more}).encode() + b"\n")
-            self.process.stdin.flush()
+    def request(self, do: str, **more: object) -> int:
+        """Send a request, and return the number that its answer will have.
 
-    def await_(
+        If nobody reads it, it is lost with the host.
+        """
+        assert self.process.stdin is not None
+        number = next(self._requests)
+        line = json.dumps({"do": do, "number": number, **more}).encode() + b"\n"
+        with suppress(OSError):
+            self.process.stdin.write(line)
+            self.process.stdin.flush()
+        return number
+
+    def answer(
         self,
-        wanted: str,
-        take: Callable[[dict[str, Any]], None] | None = None,
-        timeout: float = _PATIENCE,
-    ) -> None:
-        """Wait until it says that; `take` gets what else it says, or else it is kept."""
+        number: int,
+        take: Callable[[dict[str, Any]], None] = lambda said: None,
+        timeout: float = _FIRST_ANSWER,
+    ) -> dict[str, Any]:
+        """Wait for the answer to a request; `take` gets the other messages meanwhile.
+
+        Raises:
+            RunError: The host refuses, is gone or does not answer in time. A later answer is
+                taken all the same: what was started late is known, and ended with the others.
+        """
         until = time.monotonic() + timeout
         while True:
             try:
                 said = self._said.get(timeout=max(until - time.monotonic(), 0.0))
             except queue.Empty:
                 raise RunError(f"host {self.name} does not answer") from None
-            if said["said"] in ("gone", "refused"):
-                self._kept.append(said)
-                raise RunError(f"host {self.name}: {said.get('why') or self.complaint()}")
-            if said["said"] == "started":
-                self.pids += [(role, pid) for role, pid in said["pids"]]
-            if said["said"] == wanted:
-                return
-            (take or self._kept.append)(said)
+            self._take(said)
+            if said["said"] == "gone":
+                raise RunError(f"host {self.name}: {self.complaint()}")
+            if said.get("number") != number:
+                take(said)
+            elif said["said"] == "refused":
+                raise RunError(f"host {self.name}: {said['why']}")
+            else:
+                return said
 
-    def news(self) -> list[dict[str, Any]]:
-        """Return what it has said."""
-        news, self._kept = self._kept, []
+    def ended(self) -> list[ProcessExit]:
+        """Return the processes that were found to have ended since this was last asked."""
         with suppress(queue.Empty):
             while True:
-                news.append(self._said.get_nowait())
-        return news
+                self._take(self._said.get_nowait())
+        ended, self._ended = self._ended, []
+        return ended
 
-    def lose(self, why: str) -> list[ProcessExit]:
-        """Give up all processes there, and return them as ended."""
-        lost = [ProcessExit(role, pid, LOST, f"host {self.name}: {why}") for role, pid in self.pids]
-        self.pids.clear()
-        return lost
+    def _take(self, said: dict[str, Any]) -> None:
+        self._ended += self.processes.take(said)
+        if said["said"] == "gone":
+            self._ended += self.processes.lose(self.complaint())
 
     def complaint(self) -> str:
         """Return what was said last of why it is gone."""
@@ -117,21 +163,23 @@ class RemoteProcesses:
 
     def start(self, processes: Iterable[ProcessSpec]) -> None:
         """Start some processes, on all hosts at once; `RunError` if one cannot."""
+        asked: list[tuple[_Host, int]] = []
         for host in self._hosts.values():
+            run, more = str(self._run), {}
             if self._away:  # two hosts may be one machine
-                run = f"runs/{host.name}/{self._run.name}"
-                host.tell("begin", run=run, **self._luggage(host.name))
-            else:
-                host.tell("begin", run=str(self._run))
-        for host in self._hosts.values():
-            host.await_("began")
+                run, more = f"runs/{host.name}/{self._run.name}", self._luggage(host.name)
+            asked.append((host, host.request("begin", run=run, **more)))
+        for host, number in asked:
+            host.answer(number)
         shares: dict[str, list[ProcessSpec]] = {}
         for one in processes:
             shares.setdefault(one.host, []).append(one)
-        for name, share in shares.items():
-            self._hosts[name].tell("start", processes=share)
-        for name in shares:
-            self._hosts[name].await_("started")
+        asked = [
+            (self._hosts[name], self._hosts[name].request("start", processes=share))
+            for name, share in shares.items()
+        ]
+        for host, number in asked:
+            host.answer(number)
 
     def _luggage(self, host: str) -> dict[str, object]:
         """Return what a host with a folder of its own needs in it: the deployment, and its keys."""
@@ -162,25 +210,26 @@ class RemoteProcesses:
         host = self._hosts[living[0]]
         beside = living[0] != home or bool(self.obeyed(role))
         keys = self._keys(role) if self._away else {}
-        host.tell("revive", role=role, home=living[0], copy=beside, keys=keys)
-        host.await_("started", timeout=_ANSWER)
-        return host.pids[-1][1]
+        number = host.request("revive", role=role, home=living[0], copy=beside, keys=keys)
+        pid: int = host.answer(number, timeout=_ANSWER)["pids"][0][1]
+        return pid
 
     def obeyed(self, role: str) -> list[int]:
         """Return the id of a role's process, of copies that of the one on the last host."""
-        pids = [pid for host in self._hosts.values() for one, pid in host.pids if one == role]
+        everywhere = [host.processes.pids for host in self._hosts.values()]
+        pids = [pid for there in everywhere for one, pid in there if one == role]
         return pids[-1:]
 
     def send(self, role: str, pid: int, number: signal.Signals) -> None:
         """Send a signal to one of a role's processes."""
-        having = [host for host in self._hosts.values() if (role, pid) in host.pids]
+        having = [host for host in self._hosts.values() if (role, pid) in host.processes.pids]
         for host in having[-1:]:
-            host.tell("signal", number=int(number), role=role, pid=pid)
+            host.request("signal", signal=int(number), role=role, pid=pid)
 
     def signal(self, number: signal.Signals) -> None:
         """Send a signal to all that live."""
         for host in self._hosts.values():
-            host.tell("signal", number=int(number), role=None, pid=None)
+            host.request("signal", signal=int(number), role=None, pid=None)
         if number == signal.SIGKILL:
             self._given_up = time.monotonic() + _ANSWER
 
@@ -188,27 +237,22 @@ class RemoteProcesses:
         """Return those that were found to have ended since this was last asked."""
         ended = []
         for host in self._hosts.values():
-            for said in host.news():
-                if said["said"] == "ended":
-                    who = said["role"], said["pid"]
-                    host.pids.remove(who)
-                    ended.append(ProcessExit(*who, said["code"], said["said_last"]))
-                elif said["said"] == "gone":
-                    ended += host.lose(host.complaint())
+            ended += host.ended()
             if time.monotonic() > self._given_up:
-                ended += host.lose("it does not answer, so what runs there ends by itself")
+                why = "it does not answer, so what runs there ends by itself"
+                ended += host.processes.lose(why)
         return ended
 
     def __len__(self) -> int:
-        return sum(len(host.pids) for host in self._hosts.values())
+        return sum(len(host.processes.pids) for host in self._hosts.values())
 
     def tidy(self) -> None:
         """Bring back what the hosts have written, leave nothing there, and let them go."""
         for host in self._hosts.values():
             if self._away and host.process.poll() is None:
-                host.tell("bring")
+                number = host.request("bring")
                 with suppress(RunError):  # what it wrote stays there
-                    host.await_("brought", self._keep)
+                    host.answer(number, self._keep)
         for host in self._hosts.values():
             assert host.process.stdin is not None
             with suppress(OSError):

@@ -57,12 +57,15 @@ class Task(NamedTuple):
 
 
 class ChildProcess(Protocol):
-    """A process that was started, by its id."""
+    """A process that this one started; `subprocess.Popen` is one."""
 
     pid: int
 
     def poll(self) -> int | None:
         """Return its exit code, negative for a signal; None while it lives."""
+
+    def send_signal(self, number: int, /) -> None:
+        """Send it a signal, unless it has ended."""
 
 
 def start(task: Task) -> ChildProcess:

@@ -1,8 +1,8 @@
-"""Histories of plant time and of a clock: what is due when."""
+"""Histories of plant time: what is due when."""
 
 import pytest
 
-from runtime.chaos.schedule import ALL_MEANS, FORCE, Due, Escalation, Means, Schedule
+from runtime.chaos.schedule import Due, Schedule
 from runtime.config.chaos import ChaosEvent
 
 KILL, REVIVE = ChaosEvent(at=5.0, kill="joint/2"), ChaosEvent(at=8.0, revive="joint/2")
@@ -37,23 +37,3 @@ def test_the_end_of_what_lasts_is_due_as_well() -> None:
         [],
         [Due(8.0, HANG, over=True)],
     ]
-
-
-@pytest.mark.parametrize(
-    ("clock", "means"),
-    [
-        ([9.9], [[]]),
-        ([10.0, 10.5, 11.0, 11.9, 12.0, 99.0], [[0], [], [1], [], [2], []]),
-        ([10.0, 99.0], [[0], [1, 2]]),
-    ],
-    ids=["not yet", "one after another", "after a hang"],
-)
-def test_who_does_not_obey_is_treated_more_harshly_step_by_step(
-    clock: list[float], means: list[list[int]]
-) -> None:
-    escalation = Escalation(10.0, pause=1.0)
-    assert [escalation.due(now) for now in clock] == [[ALL_MEANS[i] for i in m] for m in means]
-
-
-def test_force_does_not_ask() -> None:
-    assert Escalation(0.0, FORCE, pause=0.0).due(0.0) == [Means.TERMINATE, Means.KILL]
