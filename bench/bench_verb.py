@@ -14,7 +14,7 @@ from bench.bench import BenchError
 from bench.machine import Busy, describe
 from bench.registry import BENCHES, bench
 from bench.report import Report, page, tables, write
-from studies import verb
+from studies import verb_options
 from studies.study import Watch
 
 MISSED, NOT_DONE = 3, 1
@@ -23,12 +23,12 @@ MISSED, NOT_DONE = 3, 1
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the bench's name and where to write."""
-    verb.add_arguments(parser, BENCHES, folder="bench-out", scaled="time")
+    verb_options.add_arguments(parser, BENCHES, folder="bench-out", scaled="time")
 
 
 def run(args: argparse.Namespace) -> int:
     """Run one bench or all, print what they measured, and return the exit code."""
-    names = verb.prepare(args, BENCHES, bench, BenchError)
+    names = verb_options.prepare(args, BENCHES, bench, BenchError)
     reports = [one(name, args.out, args.size, pictures=not args.no_pictures) for name in names]
     if args.name == "all":
         (args.out / "bench.md").write_text(page(reports), encoding="utf-8")
@@ -45,7 +45,7 @@ def one(name: str, folder: Path, size: float, *, pictures: bool = True) -> Repor
     result = chosen.measure(size, Watch(_show if sys.stderr.isatty() else None))
     took = time.perf_counter() - begun
     report = Report(chosen, result, machine, (), took, size, *busy.shares())
-    console = verb.console()
+    console = verb_options.console()
     _print(report, console)  # first of all: a disk may be full
     if pictures:
         report = replace(report, pictures=chosen.draw(result, folder))

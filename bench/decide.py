@@ -10,16 +10,16 @@ import numpy as np
 
 from agents.agent import Array, Goal
 from bench.bench import Bench, Check, Result, Table
-from bench.goals import Solved, solve_all
-from bench.solvers import Solver, missing, solvers
-from bench.thinking import batched, single_cases, thinker
-from bench.turns import in_turn
+from bench.decisions import batched, single_cases, thinker
+from bench.ik_solvers import Solver, missing, solvers
+from bench.interleaving import in_turn
+from bench.position_goals import Solved, solve_all
 from plant.kinematics import Kinematics
 from plant.robot import Robot
 from plant.simulator import Simulator
 from plant.urdf import ROBOTS, load
 from studies import no_model
-from studies.agent_team import PERIOD, AgentTeam
+from studies.arm_batch import PERIOD, AgentTeam
 from studies.study import Row, Watch
 
 ROUNDS, TICKS, BATCH = 9, 300, 1000

@@ -7,7 +7,7 @@ from typing import Any
 from matplotlib.axis import Axis
 from matplotlib.ticker import FormatStrFormatter, LogLocator, NullLocator
 
-from studies.drawing import COLOURS, DASHES, save, sheet
+from studies.drawing.style import COLOURS, DASHES, save, sheet
 
 
 def answer_times(curves: Mapping[str, Mapping[str, Sequence[float]]], file: Path) -> Path:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from bench.bench import Bench, Check, Result, Table
 from bench.launched import launched
-from bench.ours import ARPH, deployed
+from bench.msma_runs import ARPH, deployed
 from runtime.results.gaps import arrivals, longest
 from runtime.results.run_log import RunLog, read_run_log
 from runtime.wire.topics import GOAL_SOURCE, PLATFORM_AGENT

@@ -10,15 +10,17 @@ from pathlib import Path
 from typing import Any
 
 from bench.bench import BenchError
-from bench.echo.side import environment
-from bench.places import free_port
+from bench.echo.runner import environment
+from bench.machine import free_port
 from runtime.results.logs import read_log
+from runtime.wire.mesh import Endpoints, Mesh
 from runtime.wire.topics import PLANT
 
 _SPARE = 15.0  # [s] that a run may take longer than it should
 _LOOK = 0.02  # [s] between two looks at a log
 _MAIN = "import sys; {first}from runtime.cli import main; sys.exit(main(sys.argv[1:]))"
-_SPOKES = "from bench.spokes import use_spokes; use_spokes(); "
+_STAR = "from bench.launched import use_star_topology; use_star_topology(); "
+_HUBS = 2  # the first roles of a deployment: the plant and the goal source
 
 
 class Launched:
@@ -28,11 +30,11 @@ class Launched:
         commanded: When it was started [s since 1970].
     """
 
-    def __init__(self, folder: Path, words: Sequence[str], *, spokes: bool, usual: bool) -> None:
+    def __init__(self, folder: Path, words: Sequence[str], *, star: bool, usual: bool) -> None:
         self._folder = folder
         self.commanded = time.time()
         port = () if usual else ("--set", f"port={free_port()}")
-        main = _MAIN.format(first=_SPOKES if spokes else "")
+        main = _MAIN.format(first=_STAR if star else "")
         with (folder / "said").open("ab") as said:
             self.process = subprocess.Popen(
                 [sys.executable, "-c", main, "launch", *words, *port],
@@ -75,18 +77,31 @@ class Launched:
 
 @contextmanager
 def launched(
-    words: Sequence[str], *, spokes: bool = False, usual: bool = False
+    words: Sequence[str], *, star: bool = False, usual: bool = False
 ) -> Iterator[Launched]:
-    """Launch with these words after `msma launch`; nothing is left of it afterwards.
+    """Launch a robot for the duration of a `with` block, and remove all its files afterwards.
 
-    spokes: with links as in `bench.spokes` instead of those of a full mesh
-    usual: at the ports that its name gives it, where tools look for it, instead of free ones
+    Args:
+        words: The arguments of `msma launch`.
+        star: Link the agents to the plant and the goal source only, not to each other.
+        usual: Use the ports that the robot's name gives, where tools look for it, not free ones.
     """
     with tempfile.TemporaryDirectory(prefix="msma-bench-") as place:
-        found = Launched(Path(place), words, spokes=spokes, usual=usual)
+        found = Launched(Path(place), words, star=star, usual=usual)
         try:
             yield found
         finally:
             if found.process.poll() is None:
                 found.process.terminate()
             found.process.wait()
+
+
+def use_star_topology() -> None:
+    """Let this process and its copies connect to the plant and the goal source only."""
+    full_mesh = Mesh.seat
+
+    def seat(self: Mesh, slot: int) -> Endpoints:
+        endpoints = full_mesh(self, slot)
+        return endpoints._replace(dials=endpoints.dials[:_HUBS])
+
+    Mesh.seat = seat  # type: ignore[method-assign] # only a bench does so

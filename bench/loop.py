@@ -11,14 +11,13 @@ from pathlib import Path
 from statistics import median
 
 from bench.bench import Bench, Check, Result, Table
-from bench.echo.deciding import thought_of
-from bench.echo.load import AGENTS, ROLES, Part, arguments
-from bench.echo.side import Measured
-from bench.echo.side import run as run_side
-from bench.neighbours import busy_cores
-from bench.ours import ARPH, deployed, run_ours
-from bench.places import free_port
-from bench.turns import Ratio, in_turn, ratio
+from bench.echo.deciding_zenoh import thought_of
+from bench.echo.runner import Measured
+from bench.echo.runner import run as run_side
+from bench.echo.workload import AGENTS, ROLES, Part, arguments
+from bench.interleaving import Ratio, in_turn, ratio
+from bench.machine import busy_cores, free_port
+from bench.msma_runs import ARPH, deployed, run_ours
 from studies.study import Row, Watch
 
 RATES = {17: 5.0, 100: 4.0, 500: 20.0, 1000: 6.0, 2000: 3.0}
@@ -138,7 +137,7 @@ def _sides(
 def run_plain(rate: float, seconds: float, *, decides: bool = False) -> Measured:
     """Let plain Zenoh echo, in as many processes as ours, each of which also `decides` if so."""
     port = free_port()
-    program = "bench.echo.deciding" if decides else "bench.echo.plain_zenoh"
+    program = "bench.echo.deciding_zenoh" if decides else "bench.echo.plain_zenoh"
     return run_side(
         {role: [program, *arguments(Part(role, rate, seconds, port))] for role in ROLES}, seconds
     )

@@ -1,16 +1,49 @@
-"""The machine that was measured on, and what else it did meanwhile."""
+"""The machine that a bench runs on: its description, its load, and its free ports."""
 
 import os
 import platform
-import socket
+import random
+import subprocess
+import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+from bench.bench import BenchError
+from runtime.watching.discovery import is_taken
+from runtime.wire.mesh import ALL_BASES, SLOTS
+
 _LIBRARIES = ("eclipse-zenoh", "numpy", "msgpack")
 _NAPS = 500  # of 1 ms, to see how late it wakes
+
+
+def free_port() -> int:
+    """Return the first port of a block that is large enough for a robot and entirely free.
+
+    Raises:
+        BenchError: No block is free.
+    """
+    for base in random.sample(ALL_BASES, len(ALL_BASES)):
+        if not any(is_taken(base + slot) for slot in range(SLOTS)):
+            return base
+    raise BenchError("no ports are free: too many robots run on this machine")
+
+
+@contextmanager
+def busy_cores() -> Iterator[None]:
+    """Run one busy loop for each core until the end of the block."""
+    command = [sys.executable, "-c", "while True: pass"]
+    busy = [subprocess.Popen(command) for _ in range(os.cpu_count() or 1)]
+    try:
+        yield
+    finally:
+        for program in busy:
+            program.kill()
+            program.wait()
 
 
 @dataclass(frozen=True)
@@ -87,11 +120,6 @@ def _version(library: str) -> str | None:
         return version(library)
     except PackageNotFoundError:
         return None
-
-
-def host() -> str:
-    """Return the machine's name."""
-    return socket.gethostname()
 
 
 class Busy:

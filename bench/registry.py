@@ -6,7 +6,7 @@ from bench.bench import Bench, BenchError
 
 BENCHES = {
     "loop": "bench.loop:LoopBench",
-    "others": "bench.others.beside:OthersBench",
+    "others": "bench.others.comparison:OthersBench",
     "start": "bench.start:StartBench",
     "scale": "bench.scale:ScaleBench",
     "decide": "bench.decide:DecideBench",

@@ -25,7 +25,7 @@ from studies.study import Row, Watch
 SIZES = (4, 8, 16, 32, 64)
 PERIOD, SECONDS = 0.06, 5.0
 """Of the control loop, and how long each is measured [s]."""
-FULL, SPOKES, HOSTS = "full mesh", "plant and goal only", "full mesh, three hosts"
+FULL, STAR, HOSTS = "full mesh", "plant and goal only", "full mesh, three hosts"
 HOSTS_UP_TO = 16
 """Joints of the longest arm that is spread over three namespaced hosts: they share these cores."""
 BARRED = 32
@@ -69,9 +69,9 @@ class ScaleBench(Bench):
         self._sizes, self._hosts = sizes, hosts
 
     def measure(self, size: float, watch: Watch) -> Result:
-        """Measure every arm with a full mesh, then with spokes, then on three hosts."""
+        """Measure every arm with a full mesh, then with star, then on three hosts."""
         seconds = max(SECONDS * size, 1.0)
-        sides = [(side, n) for n in self._sizes for side in (FULL, SPOKES)]
+        sides = [(side, n) for n in self._sizes for side in (FULL, STAR)]
         if self._hosts:
             sides += [(HOSTS, n) for n in self._sizes if n <= HOSTS_UP_TO]
         watch.expect(len(sides))
@@ -108,7 +108,7 @@ def _grow(joints: int, side: str, seconds: float) -> Grown:
         file = write_arm(Path(place), joints, spread=side == HOSTS)
         words = [str(file), "--robot", f"bench-scale-{joints}"]
         words += ["--rehearse"] if side == HOSTS else []
-        with launched(words, spokes=side == SPOKES) as run:
+        with launched(words, star=side == STAR) as run:
             try:
                 run.until(PLANT, "obeys", joints, _PATIENCE)
             except BenchError:
@@ -279,7 +279,7 @@ NOTES = (
     "more than that, and 32 agents that all make up for the same error overshoot for good.",
     "An answer's time is taken from the plant's log: the period less the age of the command when "
     "the next step begins, so never more than a period.",
-    f"With '{SPOKES}' each agent dials the plant and the goal source alone: no agent hears "
+    f"With '{STAR}' each agent dials the plant and the goal source alone: no agent hears "
     "another, so those links carry only what keeps them alive.",
     "Three hosts are three network namespaces that share this machine's cores.",
 )

@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 
 from bench.bench import Bench, BenchError, Check, Result, Table
-from bench.echo.side import environment
+from bench.echo.runner import environment
 from bench.launched import Launched, launched
-from bench.ours import ARPH, deployed
-from bench.reviving import PARTS
+from bench.msma_runs import ARPH, deployed
+from bench.timed_agent import PARTS
 from runtime.results.logs import read_log
 from runtime.results.run_log import read_run_log
 from runtime.spawning.tasks import ChildProcess, Task, spawn
@@ -142,7 +142,7 @@ def _revive(rounds: int) -> dict[str, list[Times]]:
             commanded = time.time()
             task = Task(REVIVED, run.run)
             these = [str(task.file), REVIVED, str(run.run)]
-            stack.callback(_end, spawn("bench.reviving", these, task.out))
+            stack.callback(_end, spawn("bench.timed_agent", these, task.out))
             line = _next(_noted, run, number)
             obeyed = _next(_obeyed, run, 3 * number + 2)
             found[ANEW].append(_parts(line, commanded, obeyed["wall"] - commanded))

@@ -11,8 +11,8 @@ from agents.agent import Array
 from plant.faults import Fault
 from plant.robot import Robot
 from plant.urdf import load
-from studies.agent_team import NEAR, Reached, reach
-from studies.reachable import Ring, anywhere, flat, grid, ring
+from studies.arm_batch import NEAR, Reached, reach
+from studies.planar_reach import Ring, anywhere, flat, grid, ring
 from studies.study import Claim, Findings, Row, Study, Watch, share
 
 Perception = Literal["blackboard", "localiser"]
@@ -113,7 +113,7 @@ class BrokenJoints(Study[Found]):
 
     def draw(self, found: Found, folder: Path) -> tuple[Path, ...]:
         """Draw figure 6, and how the distance goes with the law and with the fixed step."""
-        from studies.drawing_arm import convergence, two_broken
+        from studies.drawing.planar_arm import convergence, two_broken
 
         ends = {name: reached.settled for name, reached in found.paper.items()}
         laws = {f"line, {name}": reached.history for name, reached in found.paper.items()}

@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 
 from agents.agent import Agent
-from studies.central import as_agents
-from studies.mim import Mim
+from studies.baselines.central import as_agents
+from studies.baselines.mim import Mim
+from studies.goal_runs import LENGTH, MARGIN, Trips, follow, go
 from studies.mobile import ARPH, msma
 from studies.study import Claim, Findings, Row, Study, Watch, share
-from studies.trips import LENGTH, MARGIN, Trips, follow, go
 
 GOALS = 50
 LASTING = 3.0  # [s] bar on a deadlock
@@ -77,7 +77,7 @@ class Directions(Study[DirectionsFound]):
 
     def draw(self, found: DirectionsFound, folder: Path) -> tuple[Path, ...]:
         """Write the map of the ways, and what they took."""
-        from studies.ways import ways
+        from studies.drawing.directions import ways
 
         return (ways(found.paths, found.points, folder / "directions.png"),)
 

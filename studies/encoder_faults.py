@@ -10,8 +10,8 @@ from agents.agent import Array
 from plant.faults import Fault
 from plant.robot import Robot
 from plant.urdf import load
-from studies.agent_team import NEAR, reach
-from studies.reachable import anywhere
+from studies.arm_batch import NEAR, reach
+from studies.planar_reach import anywhere
 from studies.study import Claim, Findings, Row, Study, Watch, share
 
 Perception = Literal["blackboard", "localiser", "auto"]
@@ -56,7 +56,7 @@ class EncoderFaults(Study[Found]):
 
     def draw(self, found: Found, folder: Path) -> tuple[Path, ...]:
         """Draw where the hands end."""
-        from studies.drawing_trials import encoder_faults
+        from studies.drawing.planar_studies import encoder_faults
 
         return (encoder_faults(found.ends, folder / "encoder-faults.png"),)
 

@@ -9,12 +9,12 @@ import numpy as np
 from agents.agent import Agent, Array
 from agents.sight import Perception
 from plant.kinematics import kinematics_of
-from studies.jams import BatchFaults
+from studies.batch_faults import BatchFaults
+from studies.feasible_plans import Since, earliest
 from studies.lockstep import Trace, run
 from studies.mobile import ARPH, BASE, DURATION, PERIOD, POSTURE, msma, plant, task
-from studies.mobility import acquisition, reversal, wrapped
-from studies.plans import Since, earliest
-from studies.reach import Bools, high_enough
+from studies.mobile_reach import Bools, high_enough
+from studies.platform_measures import acquisition, reversal, wrapped
 
 TOLERANCE = 0.003
 """Of the paper, at 60 ms [m]."""

@@ -18,7 +18,7 @@ from studies.fault_cells import (
     play,
     single_locks,
 )
-from studies.reach import Bools
+from studies.mobile_reach import Bools
 from studies.study import Claim, Findings, Row, Study, Watch, share
 
 NEAR_STRAIGHT = np.radians(15.0)
@@ -76,10 +76,11 @@ class FaultMap(Study[MapFound]):
                 ),
             ),
             notes=(
-                "Reachable: a planner that knows all finds a motion on the path, forward only and "
-                "within all limits, that begins in time (studies/plans.py). With shoulder and "
-                "elbow locked the hand has one height, the path has not: never reachable. "
-                "Undecided cells, where the height would do but no plan is known, do not count.",
+                "Reachable: a planner that knows all faults finds a forward-only motion along the "
+                "path, within all limits, that starts in time (studies/feasible_plans.py). With "
+                "shoulder and elbow locked, the hand has a single height but the path does not, so "
+                "these cells are never reachable. Undecided cells do not count: the height is "
+                "possible, but no plan is known.",
                 "Growing: the error is still larger in the last two seconds than in those before, "
                 "by more than 3 mm.",
                 *(misses(found) for found in maps),
@@ -89,7 +90,7 @@ class FaultMap(Study[MapFound]):
 
     def draw(self, found: MapFound, folder: Path) -> tuple[Path, ...]:
         """Write the maps."""
-        from studies.maps import pair_maps, strips
+        from studies.drawing.fault_map import pair_maps, strips
 
         return (
             strips(found.maps[:2], folder / "fault-map-one.png"),

@@ -13,7 +13,7 @@ from plant.faults import Fault
 from plant.manus import START, model_from_manus, position_from_paper
 from plant.simulator import Simulator
 from plant.urdf import load
-from studies.jams import BatchFaults, BatchSimulator
+from studies.batch_faults import BatchFaults, BatchSimulator
 
 ARPH = load("arph")
 """The Manus arm on its two-wheeled platform."""

@@ -11,10 +11,10 @@ from agents.agent import Array
 from plant.faults import Fault
 from runtime.results.run_log import RunLog
 from studies.fault_cells import MID, TOLERANCE, oracle, single_locks
-from studies.live import ROOT, launch
+from studies.launching import ROOT, launch
 from studies.lockstep import Event, Trace, run
 from studies.mobile import DURATION, PERIOD, POSTURE, msma, plant, posture, task
-from studies.mobility import acquisition
+from studies.platform_measures import acquisition
 from studies.study import Claim, Findings, Row, Study, Watch, share
 
 SPEED = 3
@@ -96,7 +96,7 @@ class MobileLive(Study[LiveFound]):
 
     def draw(self, found: LiveFound, folder: Path) -> tuple[Path, ...]:
         """Write the errors over time, both ways."""
-        from studies.comparison import both_ways
+        from studies.drawing.comparison import both_ways
 
         pairs = [
             (case.name, (trace.t, trace.error), (record.t, _error(record.t, record.hand)))

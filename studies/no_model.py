@@ -10,7 +10,7 @@ from plant.faults import Fault
 from plant.kinematics import Kinematics
 from plant.robot import Robot
 from plant.urdf import load
-from studies.agent_team import IN_STEP, Meeting, Reached, reach
+from studies.arm_batch import IN_STEP, Meeting, Reached, reach
 from studies.study import Claim, Findings, Row, Study, Watch, share
 
 STEPS = 2000
@@ -74,7 +74,7 @@ class NoModel(Study[Found]):
 
     def draw(self, found: Found, folder: Path) -> tuple[Path, ...]:
         """Draw how the distance goes, and where it ends, in every case."""
-        from studies.drawing_trials import Curve, no_model
+        from studies.drawing.planar_studies import Curve, no_model
 
         noisy, others = (
             [Curve(case.name, reached.history, reached.settled)

@@ -9,11 +9,11 @@ import numpy as np
 from agents.agent import Array
 from plant.kinematics import Kinematics
 from plant.manus import START, model_from_manus
-from studies.jams import BatchFaults
+from studies.batch_faults import BatchFaults
+from studies.feasible_plans import Since, earliest
 from studies.lockstep import Trace, run
 from studies.mobile import ARPH, BASE, DURATION, PERIOD, POSTURE, msma, plant, posture, task
-from studies.mobility import acquisition, heading_to_arm, reversal
-from studies.plans import Since, earliest
+from studies.platform_measures import acquisition, heading_to_arm, reversal
 from studies.study import Claim, Findings, Row, Study, Watch
 
 FINE = 0.001
@@ -135,9 +135,10 @@ class PaperFaults(Study[FaultsFound]):
             rows=_rows(which, courses, possible),
             claims=_claims(which, courses[0]),
             notes=(
-                "Joints are locked from the start at the angle named; the goal's path stays as in "
-                "Table 1. Acquired: from then on within the bound for a second. The last column "
-                "of times is when a planner that knows all could be there (studies/plans.py).",
+                "Joints are locked from the start at the given angle; the goal's path is that of "
+                "Table 1. Acquired: the error stays within the bound for one second. The planner's "
+                "time is when a planner that knows the fault could be on the path "
+                "(studies/feasible_plans.py).",
             ),
             cases=which,
             courses=tuple(courses),
@@ -145,7 +146,7 @@ class PaperFaults(Study[FaultsFound]):
 
     def draw(self, found: FaultsFound, folder: Path) -> tuple[Path, ...]:
         """Write figure 9, for each period."""
-        from studies.drawing import against_goal
+        from studies.drawing.mobile_arm import against_goal
 
         return tuple(
             against_goal(

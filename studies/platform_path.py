@@ -8,11 +8,11 @@ import numpy as np
 
 from agents.agent import Agent, Array
 from plant.kinematics import Kinematics
-from studies.central import as_agents
+from studies.baselines.central import as_agents
+from studies.baselines.mim import Mim
 from studies.lockstep import Trace, run
-from studies.mim import Mim
 from studies.mobile import ARPH, DURATION, PERIOD, msma, plant, task
-from studies.mobility import (
+from studies.platform_measures import (
     cusps,
     heading_to_arm,
     path_length,
@@ -91,7 +91,7 @@ class PlatformPath(Study[PathFound]):
 
     def draw(self, found: PathFound, folder: Path) -> tuple[Path, ...]:
         """Write figure 8."""
-        from studies.drawing import platform_paths
+        from studies.drawing.mobile_arm import platform_paths
 
         drives = [(each.name, each.trace) for each in found.drives[:2]]
         return (platform_paths(drives, folder / "platform-path.png"),)

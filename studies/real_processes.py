@@ -16,7 +16,7 @@ from plant.faults import Fault
 from plant.simulator import Simulator
 from plant.urdf import load
 from studies.lockstep import Event, run
-from studies.reachable import ring
+from studies.planar_reach import ring
 from studies.study import Claim, Findings, Row, Study, StudyError, Watch, share
 
 DEPLOYMENT = Path(__file__).parents[1] / "deploy" / "planar5.yaml"
@@ -80,7 +80,7 @@ class RealProcesses(Study[Found]):
 
     def draw(self, found: Found, folder: Path) -> tuple[Path, ...]:
         """Draw when each hand was at its goal, for real and in lockstep."""
-        from studies.drawing_trials import real_processes
+        from studies.drawing.planar_studies import real_processes
 
         kinds = {"two agents killed": True, "two joints locked": False}
         times = {

@@ -16,7 +16,7 @@ STUDIES = {
     "platform-path": "studies.platform_path:PlatformPath",
     "paper-faults": "studies.paper_faults:PaperFaults",
     "fault-map": "studies.fault_map:FaultMap",
-    "told-nothing": "studies.told_nothing:ToldNothing",
+    "told-nothing": "studies.fault_comparison:ToldNothing",
     "directions": "studies.directions:Directions",
     "mobile-live": "studies.mobile_live:MobileLive",
 }

@@ -10,7 +10,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
-from studies import verb
+from studies import verb_options
 from studies.registry import STUDIES, study
 from studies.report import Report, cells, page, write
 from studies.study import StudyError, Watch
@@ -23,12 +23,12 @@ MISSED = 3
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the study's name and where to write."""
-    verb.add_arguments(parser, STUDIES, folder="studies-out", scaled="trials")
+    verb_options.add_arguments(parser, STUDIES, folder="studies-out", scaled="trials")
 
 
 def run(args: argparse.Namespace) -> int:
     """Run one study or all, print their tables, and return 3 when a bar was missed."""
-    names = verb.prepare(args, STUDIES, study, StudyError)
+    names = verb_options.prepare(args, STUDIES, study, StudyError)
     reports = [one(name, args.out, args.size, pictures=not args.no_pictures) for name in names]
     if args.name == "all":
         (args.out / "index.html").write_text(page(reports), encoding="utf-8")
@@ -44,7 +44,7 @@ def one(name: str, folder: Path, size: float, *, pictures: bool = True) -> Repor
         found = chosen.measure(size, Watch(bar.show))
         took = time.perf_counter() - begun
     report = Report(name, chosen.title, found, (), took, size)
-    console = verb.console()
+    console = verb_options.console()
     _print(report, console)  # first of all: a disk may be full
     if pictures:
         report = replace(report, pictures=chosen.draw(found, folder))

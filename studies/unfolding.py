@@ -9,10 +9,10 @@ from agents.agent import Agent, Array, Body, Goal
 from agents.joint import JointAgent
 from plant.simulator import Simulator
 from plant.urdf import load
-from studies import md
-from studies.agent_team import PERIOD
+from studies.arm_batch import PERIOD
+from studies.baselines import md
 from studies.lockstep import run
-from studies.measures import (
+from studies.motion_measures import (
     Motion,
     crossing,
     gini,
@@ -71,7 +71,7 @@ class Unfold(Study[Found]):
 
     def draw(self, found: Found, folder: Path) -> tuple[Path, ...]:
         """Draw the three stages, the measures, and a moving picture."""
-        from studies.drawing_unfolding import moving, stages
+        from studies.drawing.unfolding import moving, stages
 
         return (
             stages(found.goal, found.paper, found.others, self.title, folder / f"{self.name}.png"),

@@ -11,8 +11,8 @@ from plant.faults import Fault
 from plant.kinematics import Kinematics
 from plant.robot import Robot
 from plant.urdf import load
-from studies.agent_team import NEAR, PERIOD, reach
-from studies.reachable import Ring, anywhere
+from studies.arm_batch import NEAR, PERIOD, reach
+from studies.planar_reach import Ring, anywhere
 from studies.study import Claim, Findings, Row, Study, Watch, share
 
 SHARES = (0.05, 0.2, 0.5)
@@ -72,7 +72,7 @@ class WildJoint(Study[Found]):
 
     def draw(self, found: Found, folder: Path) -> tuple[Path, ...]:
         """Draw what remains, by the wild joint."""
-        from studies.drawing_trials import wild_joint
+        from studies.drawing.planar_studies import wild_joint
 
         file = folder / "wild-joint.png"
         return (wild_joint(found.shares, found.remaining, found.floor, file),)

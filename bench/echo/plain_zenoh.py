@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 import zenoh
 from zenoh.handlers import RingChannel
 
-from bench.echo.load import (
+from bench.echo.workload import (
     AGENTS,
     GOAL,
     JOINT_STATES,

@@ -9,7 +9,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter
 
 from bench.loop import OURS
-from studies.drawing import BLUE, COLOURS, DASHES, ORANGE, save, sheet
+from studies.drawing.style import BLUE, COLOURS, DASHES, ORANGE, save, sheet
 
 _TIMES = (0.1, 300.0)  # [ms]
 

@@ -14,14 +14,14 @@ from types import TracebackType
 from typing import IO, Self
 
 from bench.bench import BenchError
-from bench.echo.load import ROLES, Part, arguments
-from bench.echo.side import SPARE, Measured, await_event
-from bench.others.watching import ARRIVALS, PLACE, read_arrivals
+from bench.echo.runner import SPARE, Measured, await_event
+from bench.echo.workload import ROLES, Part, arguments
+from bench.others.arrivals import ARRIVALS, PLACE, read_arrivals
 from bench.ticks import DONE, GO, PATIENCE, SETTLE
 from bench.usage import Meter
 from runtime.processes.scheduling import set_realtime
 
-RUN = Path(__file__).with_name("run.py")
+RUN = Path(__file__).with_name("echo_process.py")
 _PORTS = (20_000, 32_000)
 SLOWEST = 30.0
 """For a system's server and processes to be there, before anybody can answer [s]."""
@@ -31,7 +31,7 @@ class ProcessGroup:
     """Processes in a folder of their own; all are killed at the end of its `with` block.
 
     python: of the environment that they run in
-    module: the side, such as `bench.others.sides.pyzmq`
+    module: the side, such as `bench.others.adapters.pyzmq`
     rate: of the ticks [Hz]
     seconds: how long to measure [s]; None to note when commands come
     """

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar
 
-from bench.echo.load import AGENTS, GOAL, ROLES, STATES
+from bench.echo.workload import AGENTS, GOAL, ROLES, STATES
 from bench.others.processes import ProcessGroup, await_port, free_port
 
 VICTIM = "joint/2"
@@ -55,7 +55,7 @@ class System(ABC):
 class PyZmq(System):
     """Sockets that one wires up; no process but one's own."""
 
-    name, side = "pyzmq", "bench.others.sides.pyzmq"
+    name, side = "pyzmq", "bench.others.adapters.pyzmq"
     requirements = ("pyzmq==27.3.0",)
 
     def start(self, processes: ProcessGroup) -> None:
@@ -71,7 +71,7 @@ class Cyclone(System):
     next free port and looks for others on those of `localhost`.
     """
 
-    name, side = "Cyclone DDS", "bench.others.sides.cyclonedds"
+    name, side = "Cyclone DDS", "bench.others.adapters.cyclonedds"
     requirements = ("cyclonedds==11.0.1",)
     CONFIGURATION: ClassVar[str] = (
         '<CycloneDDS><Domain Id="any"><General><Interfaces><NetworkInterface name="lo"/>'
@@ -92,7 +92,7 @@ class Cyclone(System):
 class Dora(System):
     """A coordinator, a daemon, and the nodes of a dataflow that the daemon starts."""
 
-    name, side = "dora-rs", "bench.others.sides.dora"
+    name, side = "dora-rs", "bench.others.adapters.dora"
     requirements = ("dora-rs==1.1.0", "dora-rs-cli==1.1.0")
 
     def start(self, processes: ProcessGroup) -> None:
@@ -139,7 +139,7 @@ class Dora(System):
 class Spade(System):
     """Agents that send each other messages over an XMPP server."""
 
-    name, side = "SPADE", "bench.others.sides.spade"
+    name, side = "SPADE", "bench.others.adapters.spade"
     # its database library does not say that it needs greenlet
     requirements = ("spade==4.1.4", "greenlet")
 

@@ -5,12 +5,12 @@ from collections.abc import Mapping, Sequence
 from statistics import median
 
 from bench.bench import Table
-from bench.echo.load import AGENTS, ROLES
-from bench.echo.side import Measured
+from bench.echo.runner import Measured
+from bench.echo.workload import AGENTS, ROLES
+from bench.interleaving import ratio
 from bench.loop import OURS, PLAIN
-from bench.others.blows import Struck
-from bench.others.watching import Gap
-from bench.turns import ratio
+from bench.others.arrivals import Gap
+from bench.others.kills import Struck
 
 Runs = Mapping[int, Mapping[str, Sequence[Measured]]]
 

@@ -4,7 +4,7 @@ import pytest
 from agents.arithmetic import parts
 from agents.even import Insistence
 from agents.joint import JointAgent
-from studies.agent_team import PERIOD
+from studies.arm_batch import PERIOD
 
 MISSING = np.array([0.03, -0.04, 0.0])
 

@@ -7,8 +7,8 @@ import pytest
 
 from bench import decide
 from bench.decide import DecideBench
-from bench.goals import solve_all
-from bench.solvers import SOLVED, missing, solvers
+from bench.ik_solvers import SOLVED, missing, solvers
+from bench.position_goals import solve_all
 from plant.kinematics import Kinematics
 from plant.urdf import ROBOTS, load
 from studies.study import Watch

@@ -6,7 +6,8 @@ from pathlib import Path
 import pytest
 
 from bench.bench import BenchError
-from bench.echo.load import (
+from bench.echo.runner import Measured, run
+from bench.echo.workload import (
     AGENTS,
     GOAL_SIZE,
     JOINT_COMMAND_SIZE,
@@ -21,7 +22,6 @@ from bench.echo.load import (
     part_of,
     tick_of,
 )
-from bench.echo.side import Measured, run
 from bench.loop import (
     AMID,
     EAGER,
@@ -32,7 +32,7 @@ from bench.loop import (
     bars,
     thoughts,
 )
-from bench.neighbours import busy_cores
+from bench.machine import busy_cores
 from bench.usage import Usage, cpu_seconds, lives
 from runtime.wire import topics
 from runtime.wire.messages import (

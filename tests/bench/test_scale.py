@@ -3,7 +3,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bench.scale import FULL, NEAR, SPOKES, ScaleBench, write_arm
+from bench.scale import FULL, NEAR, STAR, ScaleBench, write_arm
 from plant.kinematics import Kinematics
 from runtime.config.deployment import load
 from studies.study import Watch
@@ -24,10 +24,10 @@ def test_a_long_arm_begins_at_its_goal(joints: int, tmp_path: Path) -> None:
 def test_an_arm_is_measured_with_all_links_and_with_few(tmp_path: Path) -> None:
     bench = ScaleBench((5,), hosts=False)
     result = bench.measure(0.2, Watch())
-    (full,), (spokes,) = result.data[FULL], result.data[SPOKES]
+    (full,), (star,) = result.data[FULL], result.data[STAR]
     assert full["links"] == 28  # of seven processes and the launcher, each to each
-    assert spokes["links"] == 28 - 10  # none between two of the five agents
-    for one in (full, spokes):
+    assert star["links"] == 28 - 10  # none between two of the five agents
+    for one in (full, star):
         assert one["off"] < NEAR
         assert 0 < one["answered"] <= one["due"]
         assert one["pss"][0] > 1e6

@@ -13,12 +13,12 @@ from plant.faults import Fault
 from plant.kinematics import Kinematics
 from plant.urdf import load
 from studies import no_model, study_verb
-from studies.agent_team import AgentTeam, Meeting, reach
+from studies.arm_batch import AgentTeam, Meeting, reach
 from studies.broken_joints import PAPER_BROKEN, PAPER_START, paper_case, ten_pairs
 from studies.encoder_faults import one as with_encoder_fault
 from studies.no_model import Case, all_cases, seven
 from studies.no_model import one as without_model
-from studies.reachable import grid, ring
+from studies.planar_reach import grid, ring
 from studies.registry import STUDIES, study
 from studies.report import Report, as_json, markdown, page
 from studies.study import Claim, Findings, Row, StudyError, Watch, share

@@ -5,7 +5,7 @@ import socket
 import time
 from collections.abc import Iterator
 
-from bench.echo.load import (
+from bench.echo.workload import (
     AGENTS,
     GOAL,
     JOINT_STATES,

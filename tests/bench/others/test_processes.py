@@ -8,8 +8,8 @@ import pytest
 import yaml
 
 from bench.bench import BenchError
-from bench.echo.load import AGENTS, ROLES, STATES
-from bench.others.blows import strike
+from bench.echo.workload import AGENTS, ROLES, STATES
+from bench.others.kills import strike
 from bench.others.processes import ProcessGroup, await_port, free_port
 from bench.others.systems import VICTIM, Blow, System, dataflow
 
@@ -70,7 +70,7 @@ def test_a_killed_agent_leaves_a_gap_in_its_own_commands_only() -> None:
 
 
 def test_a_process_that_does_not_live_is_named_with_what_it_said() -> None:
-    with ProcessGroup(PYTHON, "bench.others.sides.nowhere", rate=100, seconds=1.0) as processes:
+    with ProcessGroup(PYTHON, "bench.others.adapters.nowhere", rate=100, seconds=1.0) as processes:
         processes.play("plant")
         processes.play("platform")
         with pytest.raises(BenchError, match=r"ended with 1, and said: .*nowhere"):

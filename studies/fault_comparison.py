@@ -1,0 +1,226 @@
+"""What a user would pick instead today, told nothing of faults either: MIM, and two QPs."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from agents.agent import Agent
+from plant.errors import MsmaError
+from studies.baselines.central import as_agents
+from studies.baselines.tuning import TUNED, tuned
+from studies.fault_cells import (
+    MID,
+    Cells,
+    Outcome,
+    half_speeds,
+    oracle,
+    outcome,
+    pair_locks,
+    play,
+    single_locks,
+)
+from studies.lockstep import Trace, run
+from studies.mobile import ARPH, DURATION, PERIOD, msma, plant, task
+from studies.motion_measures import spectral_arc_length
+from studies.platform_measures import cusps, path_roughness, reversal
+from studies.study import Claim, Findings, Row, Study, Watch, share
+
+WHO = ("MSMA", "MIM", "pink", "holistic")
+LOOSER = (0.01, 0.03, 0.1)
+"""More lenient tolerances, shown beside [m]."""
+PAIRS = 25
+"""Of the pairs of locked joints, every so many-th is tried."""
+
+
+class BaselineError(MsmaError, RuntimeError):
+    """A baseline's library is not there."""
+
+
+class Nominal(NamedTuple):
+    """The paper's task with nothing broken.
+
+    Attributes:
+        error: Worst after 2 s, and mean [m].
+        roughness: Of the platform's path [m/s3].
+        sparc: Of the platform's speed; nearer 0 is smoother.
+        reversal: [m]; cusps: of the platform's path.
+    """
+
+    trace: Trace
+    error: tuple[float, float]
+    roughness: float
+    sparc: float
+    reversal: float
+    cusps: int
+
+
+class Tried(NamedTuple):
+    """One controller: nominal, and over the maps of faults."""
+
+    name: str
+    nominal: Nominal
+    outcomes: tuple[Outcome, ...]
+
+    def survived(self) -> tuple[int, int, int]:
+        """How many reachable cells ended on the path; how many stayed there; of how many."""
+        ends = sum(int((o.success & o.reachable).sum()) for o in self.outcomes)
+        stays = sum(int((o.worst[o.reachable] <= 0.003).sum()) for o in self.outcomes)
+        return ends, stays, sum(int(o.reachable.sum()) for o in self.outcomes)
+
+
+@dataclass(frozen=True)
+class ToldFound(Findings):
+    """What the study found."""
+
+    maps: tuple[Cells, ...]
+    tried: tuple[Tried, ...]
+
+
+class ToldNothing(Study[ToldFound]):
+    """The same task, robot, limits, period and faults for MSMA and for what there is else."""
+
+    name = "told-nothing"
+    title = "Nobody is told of a fault: MSMA beside MIM, a whole-body QP and a holistic QP"
+
+    def measure(self, size: float, watch: Watch) -> ToldFound:
+        """Try all on a share `size` of the cells of each map."""
+        every = max(round(1.0 / max(size, 1e-3)), 1)
+        maps = (
+            single_locks(0.0).part(slice(None, None, every)),
+            single_locks(MID).part(slice(None, None, every)),
+            pair_locks().part(slice(None, 1908, PAIRS * every)),  # the ones that leave a height
+            half_speeds().part(slice(None, None, every)),
+        )
+        costs = {"MSMA": 4.0, "MIM": 3.0, "pink": 120.0, "holistic": 80.0}
+        watch.expect(25 + sum(costs.values()))
+        watch.at("oracle", 25)
+        possible = [oracle(cells) for cells in maps]
+        tried = []
+        for name in WHO:
+            watch.at(name, costs[name])
+            outcomes = tuple(
+                outcome(cells, play(cells, agents=agents(name)), able)
+                for cells, able in zip(maps, possible, strict=True)
+            )
+            tried.append(Tried(name, nominal(name), outcomes))
+        return ToldFound(
+            rows=_rows(tried, maps),
+            claims=(
+                Claim(
+                    "MIM is not designed to be fault tolerant, so its behaviour is not interesting "
+                    "here (4.2.2)",
+                    "; ".join(
+                        f"{each.name} ends on the path in {share(*each.survived()[::2])}"
+                        for each in tried
+                    ),
+                ),
+            ),
+            notes=(
+                "None is told of a fault; all see all encoders, the platform and the goal with its "
+                "velocity, and close their loop over the hand. Parameters are the best of 120 "
+                "random choices on the unbroken task (`python -m studies.baselines.tuning`): "
+                + "; ".join(f"{name}: {values}" for name, values in TUNED.items()),
+                _better(tried),
+            ),
+            maps=maps,
+            tried=tuple(tried),
+        )
+
+    def draw(self, found: ToldFound, folder: Path) -> tuple[Path, ...]:
+        """Write the comparison."""
+        from studies.drawing.comparison import compared
+
+        tried = [(each.name, each.nominal.trace, each.outcomes) for each in found.tried]
+        maps = [cells.name for cells in found.maps]
+        return (compared(tried, maps, folder / "told-nothing.png"),)
+
+
+def agents(name: str) -> dict[str, Agent]:
+    """MSMA's agents, or a tuned baseline as if it were agents."""
+    if name == "MSMA":
+        return msma()
+    try:
+        return as_agents(tuned(name), ARPH)
+    except ImportError as missing:
+        raise BaselineError(
+            f"{name} needs {missing.name}; install the extra `studies`: pip install msma[studies]"
+        ) from missing
+
+
+def nominal(name: str) -> Nominal:
+    """Run the paper's task with nothing broken."""
+    trace = run(plant(), agents(name), task().piece, DURATION)
+    error = trace.error[trace.t >= 2.0]
+    speed = np.abs(trace.base_velocity[:, 0])
+    return Nominal(
+        trace,
+        (float(error.max()), float(error.mean())),
+        float(path_roughness(trace.base, PERIOD)),
+        spectral_arc_length(speed, PERIOD),
+        float(reversal(trace.base_velocity, PERIOD)),
+        int(cusps(trace.base_velocity)),
+    )
+
+
+def _rows(tried: list[Tried], maps: tuple[Cells, ...]) -> tuple[Row, ...]:
+    ours, *others = tried
+    best = max(each.survived()[0] for each in others)
+    ends, _, count = ours.survived()
+    rows = [
+        Row("faults survived (ends within 3 mm), MSMA", "more than every other",
+            share(ends, count), ends > best)
+    ]  # fmt: skip
+    for each in others:
+        rows.append(Row(f"faults survived, {each.name}", "", share(*each.survived()[::2])))
+    for each in tried:
+        rows.append(Row(f"stays within 3 mm once acquired, {each.name}", "",
+                        share(*each.survived()[1:])))  # fmt: skip
+    for each in tried:
+        far = [near(each, tolerance) for tolerance in LOOSER]
+        rows.append(Row(f"ends within 1, 3 and 10 cm, {each.name}", "",
+                        ", ".join(f"{100 * part:.0f} %" for part in far)))  # fmt: skip
+    for place, cells in enumerate(maps):
+        for each in tried:
+            o = each.outcomes[place]
+            back = int((o.reversed > 0.005)[o.reachable].sum())
+            rows.append(Row(f"{cells.name}, {each.name}", "",
+                            share((o.success & o.reachable).sum(), o.reachable.sum())
+                            + f", {back} of them in reverse at some time"))  # fmt: skip
+    for each in tried:
+        n = each.nominal
+        rows.append(Row(f"nothing broken, {each.name}", "",
+                        f"worst error after 2 s {1e3 * n.error[0]:.2f} mm, mean "
+                        f"{1e3 * n.error[1]:.2f} mm; platform: roughness {n.roughness:.3f} m/s3, "
+                        f"SPARC {n.sparc:.2f}, {n.reversal:.2f} m in reverse, "
+                        f"{n.cusps} cusps"))  # fmt: skip
+    return tuple(rows)
+
+
+def near(tried: Tried, tolerance: float) -> float:
+    """Share of the reachable cells that end within `tolerance` [m]."""
+    final = np.concatenate([o.final[o.reachable] for o in tried.outcomes])
+    return float((final <= tolerance).mean())
+
+
+def _better(tried: list[Tried]) -> str:
+    """Where the others are better than MSMA, in words."""
+    ours, *others = tried
+    words = []
+    for each in others:
+        better = []
+        if each.nominal.error[0] < ours.nominal.error[0]:
+            better.append("nominal error")
+        if each.nominal.roughness < ours.nominal.roughness:
+            better.append("smoothness of the platform's path")
+        if each.survived()[0] >= ours.survived()[0]:
+            better.append("faults survived")
+        looser = [loose for loose in LOOSER if near(each, loose) > near(ours, loose)]
+        if looser:
+            better.append(
+                "the share of faults that end within "
+                + " and ".join(f"{100 * loose:g} cm" for loose in looser)
+            )
+        words.append(f"{each.name} in {', '.join(better) if better else 'nothing measured here'}")
+    return "Better than MSMA: " + "; ".join(words) + "."

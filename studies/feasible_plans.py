@@ -1,0 +1,251 @@
+"""Motions that keep the hand on the path whatever is locked: the sufficient half of `reach.py`."""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from agents.agent import Array, Goal
+from plant.robot import Robot
+from studies.mobile_reach import ASIDE, COLUMN, FORE, SHOULDER, UPPER, Bools
+from studies.platform_measures import wrapped
+
+STEP = 0.12
+"""Of the plans [s]."""
+SLACK = 1.0
+"""Time that a platform gets, on top of turn, drive and turn at full speed, to gain speed [s]."""
+
+
+class Since(NamedTuple):
+    """What there is when the faults begin.
+
+    Attributes:
+        t: [s].
+        q: (..., 3) joints 1 to 3 [rad].
+        base: (..., 3) x, y [m], heading [rad].
+    """
+
+    t: float
+    q: Array
+    base: Array
+
+
+class _Plans(NamedTuple):
+    """Postures over time, (T, cells, plans); `ok` where the joints can do them."""
+
+    q: Array  # (T, C, P, 3)
+    ahead: Array  # the hand from the platform's middle, forward [m]
+    aside: Array  # and to the left [m]
+    ok: Bools
+
+
+class Plan(NamedTuple):
+    """One motion that keeps the hand on the path, from its first tick to its last.
+
+    Attributes:
+        t: (K,) [s].
+        q: (K, 3) joints 1 to 3 [rad].
+        base: (K, 3) x, y [m], heading [rad].
+        velocity: (K, 2) of the platform [m/s], [rad/s].
+    """
+
+    t: Array
+    q: Array
+    base: Array
+    velocity: Array
+
+
+def earliest(robot: Robot, locks: Array, goal: Goal, since: Since, last: float) -> Array:
+    """(C,) when a plan is on the path for good [s], the earliest of all plans; inf if none is.
+
+    locks: (C, 3) angles of joints 1 to 3 [rad], NaN for free ones, the same ones in all; goal: one
+    straight piece in force from `since` to `last` [s]. A plan has to begin two seconds before
+    `last` at the latest.
+    """
+    answer = np.full(len(locks), np.inf)
+    for sweep in _sweeps(robot, locks, goal, since, last):
+        t = sweep.t[: len(sweep.good), None, None, None]
+        when = np.where(sweep.good, t, np.inf)
+        answer = np.minimum(answer, when.min(axis=(0, 2, 3), initial=np.inf))
+    return answer
+
+
+def plan(robot: Robot, locks: Array, goal: Goal, since: Since, last: float) -> Plan | None:
+    """The earliest plan for one arm with `locks` (3,), None if there is none."""
+    best: Plan | None = None
+    for sweep in _sweeps(robot, locks[None], goal, since, last):
+        if not sweep.good.any():
+            continue
+        k, _, p, h = (int(index[0]) for index in np.nonzero(sweep.good))
+        if best is not None and best.t[0] <= sweep.t[k]:
+            continue
+        x, y = _platform(sweep.plans, sweep.heading, goal, sweep.t)
+        best = Plan(
+            sweep.t[k:],
+            sweep.plans.q[2 * k :: 2, 0, p],
+            np.stack([part[k:, 0, p, h] for part in (x, y, sweep.heading)], axis=-1),
+            np.stack([sweep.speed[k:, 0, p, h], sweep.turn[k:, 0, p, h]], axis=-1),
+        )
+    return best
+
+
+class _Sweep(NamedTuple):
+    """All plans of some cells, from all headings: t (T,), the rest (T, C, P, H)."""
+
+    t: Array
+    plans: _Plans
+    heading: Array
+    speed: Array
+    turn: Array
+    good: Bools  # (shorter, C, P, H) where a plan may begin
+
+
+def _sweeps(robot: Robot, locks: Array, goal: Goal, since: Since, last: float) -> Iterator[_Sweep]:
+    if not np.isnan(locks[..., 1:]).any():
+        return  # with shoulder and elbow locked there is but one height
+    times = np.arange(since.t, last + STEP / 4, STEP / 2)
+    t = times[::2]
+    plans = _postures(robot, locks, goal, times)
+    for backwards in (False, True):
+        heading, speed, turn = _follow(plans, goal, times, backwards)
+        whole = _drivable(robot, speed, turn) & plans.ok[::2, ..., None]
+        tail = np.flip(np.logical_and.accumulate(np.flip(whole, axis=0), axis=0), axis=0)
+        arrived = _arrival(robot, plans, heading, goal, t, since) <= t[:, None, None, None]
+        yield _Sweep(t, plans, heading, speed, turn, (tail & arrived)[t <= last - 2.0])
+
+
+HEADINGS = np.radians(np.arange(-180.0, 180.0, 10.0))
+_COLUMNS = np.radians(np.arange(-180.0, 180.0, 15.0))
+_SHOULDERS = np.radians(np.arange(-45.0, 146.0, 15.0))
+
+
+def _postures(robot: Robot, locks: Array, goal: Goal, times: Array) -> _Plans:
+    """The postures of all plans; the cells must have the same joints free."""
+    free = np.asarray(np.isnan(locks).all(axis=0))
+    cells = len(locks)
+    column = np.tile(_COLUMNS, (cells, 1)) if free[0] else locks[:, :1]
+    if free[1] and free[2]:
+        steady, moves_shoulder = np.tile(_SHOULDERS, (cells, 1)), False
+    elif free[1]:
+        steady, moves_shoulder = locks[:, 2:3], True
+    else:
+        steady, moves_shoulder = locks[:, 1:2], False
+    ways = np.array([0.0, 1.0])
+    column, steady, way = (
+        np.broadcast_to(part, (cells, column.shape[1], steady.shape[1], 2)).reshape(cells, -1)
+        for part in (column[:, :, None, None], steady[:, None, :, None], ways)
+    )
+    rise = np.array([goal.at(t)[2] for t in times])[:, None, None] - SHOULDER
+    if moves_shoulder:  # rise is the sine of the shoulder plus a constant, times the span
+        span = np.hypot(UPPER + FORE * np.cos(steady), FORE * np.sin(steady))
+        tilt = np.arctan2(FORE * np.sin(steady), UPPER + FORE * np.cos(steady))
+        sine = rise / np.maximum(span, 1e-9)
+        shoulder = _either(sine, way) - tilt
+        elbow = np.broadcast_to(steady, shoulder.shape)
+    else:
+        sine = (rise - UPPER * np.sin(steady)) / FORE
+        elbow = _either(sine, way) - steady
+        shoulder = np.broadcast_to(steady, elbow.shape)
+    shoulder, elbow = wrapped(shoulder), wrapped(elbow)
+    q = np.stack([np.broadcast_to(column, elbow.shape), shoulder, elbow], axis=-1)
+    out = UPPER * np.cos(shoulder) + FORE * np.cos(shoulder + elbow)
+    rate = np.abs(wrapped(np.diff(q, axis=0, prepend=q[:1]))) / (times[1] - times[0])
+    ok: Bools = np.logical_and.reduce(
+        [
+            np.broadcast_to(np.abs(sine) < 1.0, elbow.shape),
+            ((q >= robot.lower[:3] - 1e-9) & (q <= robot.upper[:3] + 1e-9)).all(axis=-1),
+            (rate <= robot.max_speed[:3]).all(axis=-1),
+        ]
+    )
+    x = COLUMN[0] + out * np.cos(column) + ASIDE * np.sin(column)
+    y = COLUMN[1] + out * np.sin(column) - ASIDE * np.cos(column)
+    return _Plans(q, x, y, ok)
+
+
+def _follow(plans: _Plans, goal: Goal, times: Array, backwards: bool) -> tuple[Array, Array, Array]:
+    """Heading, speed and turning speed (T, C, P, H) that keep the hand on the path: midpoint rule.
+
+    From each of `HEADINGS` at the first time, or backwards from each at the last.
+    """
+    half = times[1] - times[0]
+    x_rate, y_rate = (np.gradient(part, half, axis=0)[..., None] for part in plans[1:3])
+    along, across = plans.ahead[..., None], plans.aside[..., None]
+    along = np.where(np.abs(along) < 1e-3, 1e-3, along)
+    gx, gy = goal.velocity_at(times[0])[:2]
+
+    def speeds(heading: Array, i: int) -> tuple[Array, Array]:
+        cosine, sine = np.cos(heading), np.sin(heading)
+        turn = (cosine * gy - sine * gx - y_rate[i]) / along[i]
+        turn = np.clip(turn, -50.0, 50.0)  # of no use, but finite
+        return cosine * gx + sine * gy - x_rate[i] + turn * across[i], turn
+
+    count = (len(times) + 1) // 2
+    shape = (count, *plans.ok.shape[1:], len(HEADINGS))
+    heading, speed, turn = np.empty(shape), np.empty(shape), np.empty(shape)
+    order = range(count - 1, -1, -1) if backwards else range(count)
+    sign = -1 if backwards else 1
+    now = np.broadcast_to(HEADINGS, shape[1:])
+    for place, k in enumerate(order):
+        heading[k] = now
+        speed[k], turn[k] = speeds(now, 2 * k)
+        if place < count - 1:
+            middle = now + sign * half * turn[k]
+            now = now + sign * 2 * half * speeds(middle, 2 * k + sign)[1]
+    return heading, speed, turn
+
+
+def _drivable(robot: Robot, speed: Array, turn: Array) -> Bools:
+    drive = robot.drive
+    assert drive is not None
+    faster, harder = (
+        np.abs(np.diff(part, axis=0, prepend=part[:1])) / STEP for part in (speed, turn)
+    )
+    fine: Bools = np.logical_and.reduce(
+        [
+            speed >= 0,
+            speed <= drive.max_linear,
+            np.abs(turn) <= drive.max_angular,
+            faster <= drive.max_linear_acceleration,
+            harder <= drive.max_angular_acceleration,
+        ]
+    )
+    return fine
+
+
+def _arrival(
+    robot: Robot, plans: _Plans, heading: Array, goal: Goal, t: Array, since: Since
+) -> Array:
+    """(T, C, P, H) when platform and joints could be where the plan is then [s]."""
+    drive = robot.drive
+    assert drive is not None
+    base = since.base[..., None, None, :]
+    x, y = _platform(plans, heading, goal, t)
+    x, y = x - base[..., 0], y - base[..., 1]
+    course = np.arctan2(y, x)
+    turns = np.abs(wrapped(course - base[..., 2])) + np.abs(wrapped(heading - course))
+    driving = np.hypot(x, y) / drive.max_linear + turns / drive.max_angular
+    way = plans.q[::2] - since.q[..., None, :]
+    way[..., 0] = wrapped(way[..., 0])
+    joints = (np.abs(way) / robot.max_speed[:3]).max(axis=-1)[..., None]
+    moving = np.maximum(driving, joints)
+    # who is there already needs no time to gain speed
+    slack = np.where((moving < 0.01), 0.0, SLACK)
+    arrival: Array = since.t + moving + slack
+    return arrival
+
+
+def _platform(plans: _Plans, heading: Array, goal: Goal, t: Array) -> tuple[Array, Array]:
+    """Where the platform is, (T, C, P, H) x and y [m], when the hand is on the goal."""
+    place = np.array([goal.at(now)[:2] for now in t])[:, None, None, None, :]
+    cosine, sine = np.cos(heading), np.sin(heading)
+    ahead, aside = plans.ahead[::2, ..., None], plans.aside[::2, ..., None]
+    return (
+        place[..., 0] - cosine * ahead + sine * aside,
+        place[..., 1] - sine * ahead - cosine * aside,
+    )
+
+
+def _either(sine: Array, way: Array) -> Array:
+    """The angle of that sine within a quarter turn of 0 (way 0), or the other one."""
+    angle = np.arcsin(np.clip(sine, -1.0, 1.0))
+    return np.where(way == 0, angle, np.pi - angle)

@@ -1,0 +1,33 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from studies.launching import ROOT, LiveError, launch
+from studies.mobile import HAND, posture
+from studies.mobile_live import Case, _options, beside, map_cells, paper_cases
+
+
+def test_real_processes_start_where_a_case_says_and_follow_the_goal() -> None:
+    case = Case("turned", posture(joint_1=10.0), None, 0.0)
+    options = [*_options(case), "--duration", "4 s", "--set", "goal.duration=24 s"]
+    record = launch(ROOT / "deploy" / "arph.yaml", "teststudy", options)
+    assert np.degrees(record.q[0, 0]) == pytest.approx(10.0, abs=3.0)
+    assert beside(record.t, record.hand, 0.0).final < 0.02
+
+
+def test_a_launch_that_is_refused_says_why(tmp_path: Path) -> None:
+    with pytest.raises(LiveError, match="nowhere"):
+        launch(tmp_path / "nowhere.yaml", "teststudy", [])
+
+
+def test_the_cases_are_the_nominal_one_the_papers_three_and_reachable_cells() -> None:
+    assert [case.fault is None for case in paper_cases()] == [True, False, False, False]
+    assert len({case.name for case in map_cells(3)}) == 3
+
+
+def test_a_hand_on_the_path_is_judged_so_whatever_the_times_of_its_record() -> None:
+    t = np.sort(np.random.default_rng(1).uniform(0.0, 24.0, 500))
+    hand = HAND + t[:, None] * [0.0, -0.07, 0.02]
+    found = beside(t, hand, 0.0)
+    assert found.worst < 0.003
