@@ -1,4 +1,4 @@
-"""A campaign: many runs of one deployment, each with faults of processes drawn from its seed."""
+"""A campaign: many runs of one deployment, each with random process faults drawn from its seed."""
 
 import signal
 import subprocess
@@ -12,7 +12,7 @@ import numpy as np
 
 from agents.paths import Path as GoalPath
 from runtime.campaign.forecast import forecast
-from runtime.campaign.impact import Impact, aftermath
+from runtime.campaign.impact import Impact, measure_impact
 from runtime.chaos.injector import check_means
 from runtime.config.chaos import WATCHER, ChaosEvent
 from runtime.config.deployment import Deployment
@@ -28,15 +28,15 @@ from runtime.tls.verification import verify_all
 from runtime.watching.local import logged
 from runtime.watching.table import distance
 
-MOST = 3
-"""Faults in one run: one to so many, each of another process."""
-FROM, TO = 1 / 6, 5 / 8
-"""Parts of a run's duration between which faults begin."""
-SHORTEST, LONGEST = 0.5, 3.0
-"""Of a hang, and of the time until a killed process is started again [s, plant time]."""
-_TRIES = 100  # draws until one leaves the goal in reach
-_TURN = 0.05  # [s] between two looks
-_LEAVING = 20.0  # [s] after the end of a run by which all its processes are gone
+MAX_FAULTS = 3
+"""Each run gets one to this many faults, each in another process."""
+FAULTS_FROM, FAULTS_TO = 1 / 6, 5 / 8
+"""Faults begin between these shares of a run's duration."""
+MIN_LASTING, MAX_LASTING = 0.5, 3.0
+"""Length of a hang, or time between a kill and the restart [s, plant time]."""
+_MAX_DRAWS = 100  # draws of one seed, until one leaves the goal within reach
+_POLL_PERIOD = 0.05  # [s]
+_SHUTDOWN_TIMEOUT = 20.0  # [s] from the end of a run until all its processes must have ended
 
 
 @dataclass(frozen=True)
@@ -44,141 +44,146 @@ class CampaignRun:
     """One run of a campaign.
 
     Attributes:
-        seed: What decided all that was random in it.
-        chaos: What was to happen.
-        outcome: reached, missed, or failed if it did not come to a evaluation.
-        why: Of a failure.
-        error: Distance of the hand from its goal at the end [m], None if it never moved.
-        after: What the faults did.
-        run: Its folder.
+        seed: Seed of everything random in the run.
+        chaos: The chaos events that were scheduled.
+        outcome: "reached", "missed", or "failed" if the run could not be evaluated.
+        reason: Why it failed; empty otherwise.
+        error: Distance of the hand from its goal at the end [m]; None if it never moved.
+        impact: What the faults caused.
+        folder: The run's folder.
     """
 
     seed: int
     chaos: tuple[ChaosEvent, ...]
     outcome: str
-    why: str
+    reason: str
     error: float | None
-    after: Impact
-    run: Path
+    impact: Impact
+    folder: Path
 
 
 def draw(deployment: Deployment, seed: int) -> Deployment:
-    """Return a deployment with faults of processes drawn from a seed, beside its own chaos.
+    """Add random process faults to a deployment's own chaos.
 
-    What takes the goal out of reach is drawn again: see `forecast`. Raises `ConfigError` if there
-    is no end or no goal to evaluate by, or nothing else to draw.
+    Faults that put the goal out of reach are drawn again: see `forecast`.
+
+    Raises:
+        ConfigError: The deployment has no duration or no goal, or no draw leaves the goal within
+            reach.
     """
     duration, path = _end(deployment)
     rng = np.random.default_rng([seed, 0xCA])
-    for _ in range(_TRIES):
+    targets = deployment.chaos_targets
+    for _ in range(_MAX_DRAWS):
         events: list[ChaosEvent] = []
-        count = int(rng.integers(1, MOST + 1))
-        for role in rng.choice(
-            deployment.chaos_targets, min(count, len(deployment.chaos_targets)), False
-        ):
-            at = float(rng.uniform(FROM, TO)) * duration
-            lasting = float(rng.uniform(SHORTEST, max(SHORTEST, min(LONGEST, duration / 8))))
+        count = int(rng.integers(1, MAX_FAULTS + 1))
+        for role in rng.choice(targets, min(count, len(targets)), False):
+            at = float(rng.uniform(FAULTS_FROM, FAULTS_TO)) * duration
+            longest = max(MIN_LASTING, min(MAX_LASTING, duration / 8))
+            lasting = float(rng.uniform(MIN_LASTING, longest))
             manner = str(rng.choice(MANNERS))
             events += fault(str(role), manner, round(at, 2), round(lasting, 2))
         chaos = (*deployment.chaos, *sorted(events, key=lambda event: event.at))
         drawn = replace(deployment, seed=seed, chaos=chaos)
         if forecast(drawn, path, duration).in_reach(deployment.tolerance):
             return drawn
-    raise ConfigError(f"of {_TRIES} draws of seed {seed} none left the goal in reach")
+    raise ConfigError(f"seed {seed}: none of {_MAX_DRAWS} draws leaves the goal within reach")
 
 
-def carry_out(deployment: Deployment, seed: int) -> CampaignRun:
-    """Do one run, evaluate it by its logs, and see that nothing is left of it."""
+def run_once(deployment: Deployment, seed: int) -> CampaignRun:
+    """Launch one run, evaluate its logs, and make sure that all its processes have ended."""
     drawn = draw(deployment, seed)
-    run = prepare(drawn)
+    folder = prepare(drawn)
     began = time.monotonic()
     assert drawn.duration is not None
-    with _launched(drawn, run) as launcher:
-        _wait(launcher, drawn, run)
-        limit = began + drawn.duration / drawn.speed + drawn.patience + _LEAVING
-        while (left := _left(drawn, run)) and time.monotonic() < limit:
-            time.sleep(_TURN)
-        for pid in left:
+    with _launched(drawn, folder) as launcher:
+        _wait(launcher, drawn, folder)
+        limit = began + drawn.duration / drawn.speed + drawn.patience + _SHUTDOWN_TIMEOUT
+        while (remaining := _remaining(drawn, folder)) and time.monotonic() < limit:
+            time.sleep(_POLL_PERIOD)
+        for pid in remaining:
             send(pid, signal.SIGKILL)
-    why = f"{len(left)} processes were left and had to be killed" if left else ""
-    if not why and launcher.returncode == 1:
-        out = (run / "launcher.out").read_text(encoding="utf-8", errors="replace").strip()
-        why = out.split("\n")[-1]
-    return _judged(drawn, run, why)
+    reason = f"{len(remaining)} processes did not end and were killed" if remaining else ""
+    if not reason and launcher.returncode == 1:
+        output = (folder / "launcher.out").read_text(encoding="utf-8", errors="replace")
+        reason = output.strip().split("\n")[-1]
+    return _evaluated(drawn, folder, reason)
 
 
-def _judged(deployment: Deployment, run: Path, why: str) -> CampaignRun:
+def _evaluated(deployment: Deployment, folder: Path, reason: str) -> CampaignRun:
     chaos, seed = deployment.chaos, deployment.seed
     try:
-        record = read_run_log(run)
+        log = read_run_log(folder)
     except RunLogError as problem:
-        return CampaignRun(seed, chaos, "failed", why or str(problem), None, Impact((), {}), run)
-    evaluation = evaluate(record, deployment)
+        reason = reason or str(problem)
+        return CampaignRun(seed, chaos, "failed", reason, None, Impact((), {}), folder)
+    evaluation = evaluate(log, deployment)
     assert evaluation.tracking is not None
     assert deployment.duration is not None
-    error, after = evaluation.tracking.final, aftermath(deployment, run, record)
-    if not why and evaluation.t < deployment.duration - 1e-9:
-        why = f"the plant ended at {evaluation.t:.2f} s"
+    error, impact = evaluation.tracking.final, measure_impact(deployment, folder, log)
+    if not reason and evaluation.t < deployment.duration - 1e-9:
+        reason = f"the plant ended at {evaluation.t:.2f} s"
     outcome = "reached" if error <= deployment.tolerance else "missed"
-    return CampaignRun(seed, chaos, "failed" if why else outcome, why, error, after, run)
+    outcome = "failed" if reason else outcome
+    return CampaignRun(seed, chaos, outcome, reason, error, impact, folder)
 
 
 @contextmanager
-def _launched(deployment: Deployment, run: Path) -> Iterator["subprocess.Popen[bytes]"]:
-    """Launch a run; at an interruption it is interrupted too, and nothing is left of it."""
-    launcher = spawn("runtime.campaign.single_run", [str(run)], run / "launcher.out")
+def _launched(deployment: Deployment, folder: Path) -> Iterator["subprocess.Popen[bytes]"]:
+    """Launch a run; if the block raises, interrupt the run and end all its processes."""
+    launcher = spawn("runtime.campaign.single_run", [str(folder)], folder / "launcher.out")
     try:
         yield launcher
     except BaseException:
         with suppress(subprocess.TimeoutExpired):
             send(launcher.pid, signal.SIGINT)
-            launcher.wait(_LEAVING)
+            launcher.wait(_SHUTDOWN_TIMEOUT)
         launcher.kill()
-        for pid in _left(deployment, run):
+        for pid in _remaining(deployment, folder):
             send(pid, signal.SIGKILL)
         raise
     finally:
         launcher.wait()
 
 
-def _wait(launcher: "subprocess.Popen[bytes]", deployment: Deployment, run: Path) -> None:
-    """Wait for the launcher's end; if chaos is to hit a watcher, there is one."""
+def _wait(launcher: "subprocess.Popen[bytes]", deployment: Deployment, folder: Path) -> None:
+    """Wait until the launcher ends; start a watcher if a chaos event targets one."""
     watcher = None
     wanted = any(event.role == WATCHER for event in deployment.chaos)
     try:
         while launcher.poll() is None:
-            if wanted and watcher is None and read_log(run, "plant", "tick"):
-                words = ["status", "--watch", "--file", str(run / "deployment.yaml")]
-                watcher = spawn("runtime.cli", words, run / "watcher.out")
-            time.sleep(_TURN)
+            if wanted and watcher is None and read_log(folder, "plant", "tick"):
+                words = ["status", "--watch", "--file", str(folder / "deployment.yaml")]
+                watcher = spawn("runtime.cli", words, folder / "watcher.out")
+            time.sleep(_POLL_PERIOD)
     finally:
         if watcher is not None:
             watcher.kill()
             watcher.wait()
 
 
-def _left(deployment: Deployment, run: Path) -> list[int]:
-    """Return the processes that are left of a run, whose launcher is gone."""
-    left = [pid for role in deployment.roles for pid in logged(run, role)]
-    heirs = [line["pid"] for line in read_log(run, "successor", "start")]
-    return left + [pid for pid in heirs if lives(pid)]
+def _remaining(deployment: Deployment, folder: Path) -> list[int]:
+    """Return the processes of a run that outlived its launcher."""
+    roles = [pid for role in deployment.roles for pid in logged(folder, role)]
+    successors = [line["pid"] for line in read_log(folder, "successor", "start")]
+    return roles + [pid for pid in successors if lives(pid)]
 
 
-def check(deployment: Deployment, runs: int) -> None:
-    """Refuse a campaign that cannot be."""
+def check_campaign(deployment: Deployment, runs: int) -> None:
+    """Raise `ConfigError` if a campaign of this deployment cannot be run."""
     if runs < 1:
-        raise ConfigError(f"--runs {runs}: one at least is wanted, such as 10")
+        raise ConfigError(f"--runs {runs}: must be at least 1, such as 10")
     duration, path = _end(deployment)
     check_means(deployment, None)
     verify_all(deployment)
-    alone = forecast(deployment, path, duration)
-    if not alone.in_reach(deployment.tolerance):
-        what = f"the hand would end {distance(alone.error)} off even without faults by lot"
-        raise ConfigError(f"the goal is not in reach: {what}; see `msma launch`")
+    undisturbed = forecast(deployment, path, duration)
+    if not undisturbed.in_reach(deployment.tolerance):
+        what = f"the hand would end {distance(undisturbed.error)} off even without random faults"
+        raise ConfigError(f"the goal is not within reach: {what}; see `msma launch`")
 
 
 def _end(deployment: Deployment) -> tuple[float, GoalPath]:
-    """Return when the runs end [s] and the path that they are judged by."""
+    """Return when the runs end [s] and the path by which they are evaluated."""
     if deployment.duration is None or deployment.goal is None:
-        raise ConfigError("a campaign judges by the goal at the end: give goal and duration")
+        raise ConfigError("a campaign needs both `goal` and `duration` to evaluate its runs")
     return deployment.duration, deployment.goal.build()

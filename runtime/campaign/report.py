@@ -1,4 +1,4 @@
-"""What a campaign came to: counted and summed up, as text, as Markdown and as JSON."""
+"""The report of a campaign, as text, Markdown and JSON."""
 
 import json
 import math
@@ -12,15 +12,15 @@ from runtime.config.deployment import Deployment
 from runtime.watching.roster import order
 from runtime.watching.table import columns, distance
 
-_Z = 1.959964  # of the normal distribution, for 95 %
+_Z = 1.959964  # quantile of the normal distribution for a 95 % interval
 
 Line = tuple[str, str, str, str]
-"""A line of the report: what was measured, its median, its worst, and of how many."""
+"""A line of the report: what was measured, its median, its worst value, and the sample size."""
 HEADINGS: Line = ("", "median", "worst", "of")
 
 
 def wilson(successes: int, count: int) -> tuple[float, float]:
-    """Return the 95 % interval of a share by E. B. Wilson (1927): lower and upper bound, 0 to 1."""
+    """Return the bounds of the 95 % interval of a share, 0 to 1, after E. B. Wilson (1927)."""
     if count == 0:
         return 0.0, 1.0
     share, weight = successes / count, _Z * _Z / count
@@ -31,22 +31,22 @@ def wilson(successes: int, count: int) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class CampaignReport:
-    """A campaign.
+    """A campaign and what it measured.
 
     Attributes:
-        deployment: What was run.
-        trials: Each run.
-        again: The command without the seed that repeats a run.
+        deployment: The deployment that was run.
+        runs: The runs that were completed.
+        command: The command that repeats a run, without its seed.
     """
 
     deployment: Deployment
-    trials: Sequence[CampaignRun]
-    again: str
+    runs: Sequence[CampaignRun]
+    command: str
 
     @property
     def headline(self) -> str:
-        """How many reached the goal."""
-        reached, count = self._count("reached"), len(self.trials)
+        """How many runs reached the goal."""
+        reached, count = self._count("reached"), len(self.runs)
         low, high = wilson(reached, count)
         share = f"{100 * reached / count:.1f} %" if count else "none"
         within = f"within {distance(self.deployment.tolerance)}"
@@ -56,125 +56,112 @@ class CampaignReport:
         )
 
     def lines(self) -> list[Line]:
-        """Return what was measured."""
-        hits = [hit for trial in self.trials for hit in trial.after.hits]
-        killed, hung = ([h for h in hits if h.action == action] for action in ("kill", "hang"))
+        """Return what was measured; without lines that have no samples."""
+        faults = [fault for run in self.runs for fault in run.impact.faults]
+        killed, hung = ([f for f in faults if f.action == action] for action in ("kill", "hang"))
         lines = [
-            self._gaps("gap in others' commands, a process killed", (h.gap for h in killed)),
-            self._gaps("gap in others' commands, a process hung", (h.gap for h in hung)),
-            _times("killed process seen to be gone", (h.noticed for h in killed)),
-            _times("hung process seen to be gone", (h.noticed for h in hung)),
-            _times("restarted: until obeyed", (h.back for h in killed)),
-            _times("woken: until obeyed", (h.back for h in hung)),
+            _lengths("error at the end", (run.error for run in self.runs)),
+            self._gaps("gap in other agents' commands after a kill", (f.gap for f in killed)),
+            self._gaps("gap in other agents' commands after a hang", (f.gap for f in hung)),
+            _times("time until a kill was detected", (f.detected for f in killed)),
+            _times("time until a hang was detected", (f.detected for f in hung)),
+            _times("restart until the first accepted command", (f.recovery for f in killed)),
+            _times("SIGCONT until the first accepted command", (f.recovery for f in hung)),
+            self._gaps("gap until a standby took over", (f.silence for f in faults if f.standbys)),
         ]
-        taken = (h.silence for h in hits if h.standbys)
-        lines.append(self._gaps("gap until a standby took over", taken))
-        lines += [
-            self._gaps(f"{role}: longest gap while alive", self._gaps_of(role))
-            for role in self._speakers()
-        ]
-        for what in sorted({(h.action, h.role) for h in hits}, key=lambda x: (x[0], order(x[1]))):
-            error = (h.error for h in hits if (h.action, h.role) == what)
-            verb = "killed" if what[0] == "kill" else "hung"
-            lines.append(_lengths(f"error in the 3 s after {what[1]} is {verb}", error))
-        ends = (trial.error for trial in self.trials)
-        return [line for line in [_lengths("error at the end", ends), *lines] if line[3] != "0"]
+        for role in sorted({role for run in self.runs for role in run.impact.gaps}, key=order):
+            gaps = (run.impact.gaps.get(role) for run in self.runs)
+            lines.append(self._gaps(f"{role}: longest gap while alive", gaps))
+        for action, role in sorted(
+            {(f.action, f.role) for f in faults}, key=lambda x: (x[0], order(x[1]))
+        ):
+            error = (f.error for f in faults if (f.action, f.role) == (action, role))
+            lines.append(_lengths(f"error in the 3 s after a {action} of {role}", error))
+        return [line for line in lines if line[3] != "0"]
 
     def failures(self) -> list[str]:
-        """Return a line for each run that did not reach the goal, with what repeats it."""
+        """Return a line for each run that did not reach the goal, with the command to repeat it."""
         return [
-            f"{self._sentence(trial)}; again: {self.again} --seed {trial.seed}"
-            for trial in self.trials
-            if trial.outcome != "reached"
+            f"{_sentence(run)}; repeat: {self._command(run)}"
+            for run in self.runs
+            if run.outcome != "reached"
         ]
 
     def text(self) -> str:
-        """Return it for a terminal."""
+        """Return the report for a terminal."""
         table = columns([HEADINGS, *self.lines()])
-        return "\n".join(
-            [self.headline, *(f"  {line}" for line in table), *self.failures()],
-        )
+        return "\n".join([self.headline, *(f"  {line}" for line in table), *self.failures()])
 
     def markdown(self) -> str:
-        """Return it as a page."""
-        head = f"# Chaos: {self.deployment.robot}, {len(self.trials)} runs\n\n{self.headline}.\n"
+        """Return the report as a page."""
+        head = f"# Chaos: {self.deployment.robot}, {len(self.runs)} runs\n\n{self.headline}.\n"
         table = [HEADINGS, ("---",) * 4, *self.lines()]
         rows = "\n".join(f"| {' | '.join(row)} |" for row in table)
         runs = "\n".join(
-            f"- {self._sentence(t)}: {faults(t.chaos)} (`--seed {t.seed}`)" for t in self.trials
+            f"- {_sentence(run)}: {as_options(run.chaos)} (`--seed {run.seed}`)"
+            for run in self.runs
         )
         missed = "\n".join(f"- {line}" for line in self.failures()) or "None."
         return (
-            f"{head}\nA run is repeated by `{self.again} --seed N`.\n\n{rows}\n\n"
+            f"{head}\nTo repeat a run: `{self.command} --seed N`.\n\n{rows}\n\n"
             f"## Runs that did not reach the goal\n\n{missed}\n\n## All runs\n\n{runs}\n"
         )
 
     def to_json(self) -> str:
-        """Return all of it, in SI units."""
-        low, high = wilson(self._count("reached"), len(self.trials))
-        trials = [
-            asdict(trial)
+        """Return the report for programs, in SI units."""
+        runs = [
+            asdict(run)
             | {
-                "run": str(trial.run),
-                "chaos": [faults([event]) for event in trial.chaos],
-                "again": f"{self.again} --seed {trial.seed}",
+                "folder": str(run.folder),
+                "chaos": [as_options([event]) for event in run.chaos],
+                "command": self._command(run),
             }
-            for trial in self.trials
+            for run in self.runs
         ]
         plain = {
             "robot": self.deployment.robot,
-            "runs": len(self.trials),
-            "reached": self._count("reached"),
-            "missed": self._count("missed"),
-            "failed": self._count("failed"),
-            "interval": [low, high],
-            "trials": trials,
+            "count": len(self.runs),
+            **{outcome: self._count(outcome) for outcome in ("reached", "missed", "failed")},
+            "interval": wilson(self._count("reached"), len(self.runs)),
+            "runs": runs,
         }
         return json.dumps(plain, indent=2) + "\n"
 
     def _count(self, outcome: str) -> int:
-        return sum(trial.outcome == outcome for trial in self.trials)
+        return sum(run.outcome == outcome for run in self.runs)
 
-    def _speakers(self) -> list[str]:
-        return sorted({role for trial in self.trials for role in trial.after.gaps}, key=order)
-
-    def _gaps_of(self, role: str) -> list[float | None]:
-        return [trial.after.gaps.get(role) for trial in self.trials]
-
-    def _sentence(self, trial: CampaignRun) -> str:
-        how = trial.why or f"{distance(trial.error)} off at the end"
-        return f"seed {trial.seed} {trial.outcome}: {how}"
+    def _command(self, run: CampaignRun) -> str:
+        return f"{self.command} --seed {run.seed}"
 
     def _gaps(self, what: str, gaps: Iterable[float | None]) -> Line:
-        """Return gaps [s, plant time] in control periods and ms."""
-        found = [gap for gap in gaps if gap is not None]
-
-        def written(gap: float) -> str:
-            return f"{gap / self.deployment.period:.2f} periods ({1e3 * gap:.0f} ms)"
-
-        return _line(what, found, written)
+        """Return the line for gaps [s, plant time], in control periods and ms."""
+        period = self.deployment.period
+        return _line(what, gaps, lambda gap: f"{gap / period:.2f} periods ({1e3 * gap:.0f} ms)")
 
 
-def faults(events: Iterable[ChaosEvent]) -> str:
-    """Return events as the options that ask for them."""
-    said = []
+def as_options(events: Iterable[ChaosEvent]) -> str:
+    """Return chaos events as the command-line options that schedule them."""
+    options = []
     for event in events:
         lasting = "" if event.for_ is None else f":{event.for_:g}s"
-        said.append(f"--{event.action} {event.target}@{event.at:g}{lasting}")
-    return " ".join(said)
+        options.append(f"--{event.action} {event.target}@{event.at:g}{lasting}")
+    return " ".join(options)
+
+
+def _sentence(run: CampaignRun) -> str:
+    return f"seed {run.seed} {run.outcome}: {run.reason or f'{distance(run.error)} off at the end'}"
 
 
 def _times(what: str, times: Iterable[float | None]) -> Line:
-    found = [time for time in times if time is not None]
-    return _line(what, found, lambda time: f"{1e3 * time:.0f} ms")
+    return _line(what, times, lambda time: f"{1e3 * time:.0f} ms")
 
 
 def _lengths(what: str, lengths: Iterable[float | None]) -> Line:
-    found = [length for length in lengths if length is not None]
-    return _line(what, found, distance)
+    return _line(what, lengths, distance)
 
 
-def _line(what: str, found: Sequence[float], written: Callable[[float], str]) -> Line:
+def _line(what: str, values: Iterable[float | None], written: Callable[[float], str]) -> Line:
+    found = [value for value in values if value is not None]
     if not found:
         return (what, "", "", "0")
     return (what, written(median(found)), written(max(found)), str(len(found)))

@@ -1,6 +1,6 @@
-"""One run of a campaign, in a process of its own: it may be killed, as any launcher may.
+"""One run of a campaign, in a process of its own, so that chaos can kill its launcher.
 
-Run as `python -m runtime.campaign.single_run RUN`, a folder with the deployment as resolved.
+Run as `python -m runtime.campaign.single_run RUN`; the folder RUN holds the resolved deployment.
 """
 
 import sys
@@ -13,28 +13,28 @@ from runtime.results.finishing import conclude
 from runtime.watching.watcher import View
 
 
-class _Silence:
+class _NoScreen:
     """A screen that shows nothing."""
 
     def happened(self, t: float, text: str) -> None:
-        """Nobody looks."""
+        """Do nothing."""
 
     def show(self, view: View) -> None:
-        """Nobody looks."""
+        """Do nothing."""
 
     def close(self) -> None:
-        """There is nothing to do."""
+        """Do nothing."""
 
 
 def main(run: Path) -> int:
-    """Launch, and leave `summary.json` in the folder."""
+    """Launch the run, and write its `summary.json`."""
     deployment = load(run / "deployment.yaml")
     try:
-        course = Launcher(deployment, run, _Silence).go()
+        outcome = Launcher(deployment, run, _NoScreen).go()
     except RunError as error:
         print(error)
         return 1
-    return conclude(deployment, run, course)[0].code
+    return conclude(deployment, run, outcome)[0].code
 
 
 if __name__ == "__main__":

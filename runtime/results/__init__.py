@@ -1,1 +1,1 @@
-"""What is left of a run: logs, evaluation, summary and plots."""
+"""What a run leaves behind: logs, evaluation, summary and plots."""

@@ -1,4 +1,4 @@
-"""What is done once a run is over: evaluate it, write the summary, draw the picture."""
+"""The end of a run: evaluate it, write its summary and plot it."""
 
 from collections.abc import Callable, Sequence
 from contextlib import suppress
@@ -12,9 +12,14 @@ from runtime.results.summary import Summary, summarise
 
 
 def save(file: Path, write: Callable[[Path], object]) -> str:
-    """Let `write` write a file; return in a line why it could not, or nothing.
+    """Write a file; after an `OSError` remove what was written of it.
 
-    No half of a file is left.
+    Args:
+        file: The file to write.
+        write: Writes the file.
+
+    Returns:
+        A line that says why the file could not be written; empty if it was.
     """
     try:
         write(file)
@@ -25,45 +30,52 @@ def save(file: Path, write: Callable[[Path], object]) -> str:
     return ""
 
 
-SUMMARY, PICTURE = "summary.json", "path.png"
+SUMMARY, PLOT = "summary.json", "path.png"
 
 
 def close(
-    deployment: Deployment, run: Path, course: RunOutcome, again: Sequence[str] = ()
+    deployment: Deployment, run: Path, outcome: RunOutcome, again: Sequence[str] = ()
 ) -> tuple[Summary, str]:
-    """Leave `summary.json` and a picture in the run's folder.
+    """Write `summary.json` and a plot to the run's folder.
 
-    again: the options with which `msma launch` repeats the run
+    Args:
+        deployment: The deployment that was run.
+        run: The run's folder.
+        outcome: How the run went, as the launcher saw it.
+        again: The options with which `msma launch` repeats the run.
 
-    Returns: the summary, and lines about the picture and about what could not be written.
+    Returns:
+        The summary, and lines about the plot and about files that could not be written.
     """
-    summary, record, problem = conclude(deployment, run, course, again)
-    picture = "" if record is None else _draw(record, deployment, summary)
-    return summary, "\n".join(filter(None, (problem, picture)))
+    summary, log, problem = conclude(deployment, run, outcome, again)
+    plot = "" if log is None else _draw(log, deployment, summary)
+    return summary, "\n".join(filter(None, (problem, plot)))
 
 
 def conclude(
-    deployment: Deployment, run: Path, course: RunOutcome, again: Sequence[str] = ()
+    deployment: Deployment, run: Path, outcome: RunOutcome, again: Sequence[str] = ()
 ) -> tuple[Summary, RunLog | None, str]:
-    """Leave `summary.json` in the run's folder.
+    """Write `summary.json` to the run's folder.
 
-    Returns: the summary, what it is made from, and why it could not be written, if so.
+    Returns:
+        The summary, the plant's log if it has any motion, and why the summary could not be
+        written, or an empty string.
     """
     try:
-        record = read_run_log(run)
+        log = read_run_log(run)
     except RunLogError:
-        record = None
-    evaluation = None if record is None else evaluate(record, deployment)
-    summary = summarise(deployment, run, course, record, evaluation, again)
+        log = None
+    evaluation = None if log is None else evaluate(log, deployment)
+    summary = summarise(deployment, run, outcome, log, evaluation, again)
     problem = save(run / SUMMARY, lambda file: file.write_text(summary.to_json(), encoding="utf-8"))
-    return summary, record, problem
+    return summary, log, problem
 
 
-def _draw(record: RunLog, deployment: Deployment, summary: Summary) -> str:
+def _draw(log: RunLog, deployment: Deployment, summary: Summary) -> str:
     try:
         from runtime.results.plots import draw
     except ImportError:
-        return "  no picture without matplotlib: pip install 'msma[plots]'"
-    file = summary.run / PICTURE
-    problem = save(file, lambda file: draw(record, deployment, summary.events, file))
-    return problem or f"  picture: {file}"
+        return "  no plot without matplotlib: pip install 'msma[plots]'"
+    file = summary.run / PLOT
+    problem = save(file, lambda file: draw(log, deployment, summary.events, file))
+    return problem or f"  plot: {file}"

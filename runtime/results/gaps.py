@@ -1,4 +1,4 @@
-"""How long the plant went without a new command, from its log."""
+"""Gaps between the commands that the plant accepted, from its log."""
 
 import numpy as np
 
@@ -6,23 +6,34 @@ from agents.agent import Array
 from runtime.results.run_log import RunLog
 
 
-def arrivals(record: RunLog, period: float) -> list[Array]:
-    """Return when the commands that were obeyed arrived, of each joint and then of the platform.
+def arrivals(log: RunLog, period: float) -> list[Array]:
+    """Return the arrival times of accepted commands, for each joint and then the platform.
 
-    Plant times [s], counting up; of several in one `period` [s] the last.
+    Args:
+        log: The plant's log.
+        period: Control period [s]; of several commands in one period the last one counts.
+
+    Returns:
+        One array of increasing plant times [s] for each joint and the platform.
     """
-    began = record.t - period  # the log tells a step by its end
+    began = log.t - period  # the log has the end of each step
     found = []
-    for ages in record.age.T:
-        told = (began - ages)[~np.isnan(ages)]
-        found.append(told[np.concatenate(([True], np.diff(told) > 1e-6))] if len(told) else told)
+    for ages in log.age.T:
+        times = (began - ages)[~np.isnan(ages)]
+        found.append(times[np.diff(times, prepend=-np.inf) > 1e-6])
     return found
 
 
 def longest(times: Array, since: float, until: float) -> float:
-    """Return the longest gap [s] between arrivals at `times` that touches `since` to `until` [s].
+    """Return the longest gap between arrivals that overlaps a span of time.
 
-    The silence after the last arrival counts, up to `until`.
+    Args:
+        times: Increasing arrival times [s], (m,).
+        since: Start of the span [s].
+        until: End of the span [s]; a gap after the last arrival counts up to here.
+
+    Returns:
+        The length of the gap [s].
     """
     first = max(int(np.searchsorted(times, since, side="right")) - 1, 0)
     last = int(np.searchsorted(times, until, side="left"))
@@ -35,6 +46,6 @@ def longest(times: Array, since: float, until: float) -> float:
 
 
 def first_after(times: Array, t: float) -> float | None:
-    """Return the first of the arrivals at `times` after `t` [s], None if there is none."""
+    """Return the first of the increasing `times` after `t`, all [s]; None if there is none."""
     index = int(np.searchsorted(times, t, side="right"))
     return float(times[index]) if index < len(times) else None

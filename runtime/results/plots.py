@@ -1,4 +1,4 @@
-"""A picture of a run: the ways of hand and platform, and the error with what went wrong."""
+"""A plot of a run: the paths of hand and platform, and the error with the faults marked."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -16,42 +16,40 @@ from runtime.launching.launcher import RunEvent
 from runtime.results.evaluation import goals
 from runtime.results.run_log import RunLog
 
-# Okabe and Ito's colours, which people with any colour vision tell apart
+# The colour-blind safe palette of Okabe and Ito
 _HAND, _GOAL, _PLATFORM, _CHAOS = "#0072B2", "#000000", "#E69F00", "#D55E00"
-_HEADINGS = 13  # arrows along the platform's way
-_POINTS = 2000  # enough for a line of this size
-_LONGEST = 48  # letters of what happened that leave room for the rest
+_HEADINGS = 13  # arrows along the platform's path
+_POINTS = 2000  # enough for a line of this length
+_LONGEST = 48  # characters of an event label
 
 
-def draw(record: RunLog, deployment: Deployment, events: Sequence[RunEvent], file: Path) -> None:
-    """Write the picture of a run as PNG."""
-    thin = np.unique(np.linspace(0, len(record.t) - 1, _POINTS).astype(int))
-    goal = None if deployment.goal is None else goals(deployment.goal.build(), record.t)
+def draw(log: RunLog, deployment: Deployment, events: Sequence[RunEvent], file: Path) -> None:
+    """Write the plot of a run as PNG."""
+    thin = np.unique(np.linspace(0, len(log.t) - 1, _POINTS).astype(int))
+    goal = None if deployment.goal is None else goals(deployment.goal.build(), log.t)
     figure = Figure(figsize=(10, 7), layout="constrained")
     FigureCanvasAgg(figure)
-    figure.suptitle(
-        f"{deployment.robot}: {record.t[-1]:g} s at a period of {deployment.period:g} s"
-    )
+    figure.suptitle(f"{deployment.robot}: {log.t[-1]:g} s at a period of {deployment.period:g} s")
     grid = figure.add_gridspec(2, 2, width_ratios=(1, 1.2))
-    _draw_above(figure.add_subplot(grid[:, 0]), record, thin, goal)
+    _draw_above(figure.add_subplot(grid[:, 0]), log, thin, goal)
     above = figure.add_subplot(grid[0, 1])
-    above.plot(record.t[thin], record.hand[thin, 2], color=_HAND, lw=2.5, label="hand")
+    above.plot(log.t[thin], log.hand[thin, 2], color=_HAND, lw=2.5, label="hand")
     if goal is not None:
-        above.plot(record.t[thin], goal[thin, 2], color=_GOAL, ls="--", lw=1, label="goal")
+        above.plot(log.t[thin], goal[thin, 2], color=_GOAL, ls="--", lw=1, label="goal")
     above.set(ylabel="height [m]")
     above.legend()
     below = figure.add_subplot(grid[1, 1], sharex=above)
     if goal is not None:
-        error = np.linalg.norm(record.hand - goal, axis=-1)
-        _draw_error(below, record.t, error, deployment.tolerance)
+        error = np.linalg.norm(log.hand - goal, axis=-1)
+        _draw_error(below, log.t, error, deployment.tolerance)
     below.set(xlabel="plant time [s]", ylabel="error of the hand [mm]")
-    _mark(above, below, events, float(record.t[-1]))
+    _mark(above, below, events, float(log.t[-1]))
     figure.savefig(file, dpi=110)
 
 
-def _draw_above(axes: Axes, record: RunLog, thin: Array, goal: Array | None) -> None:
-    """Draw hand and platform as seen from above."""
-    hand, base = record.hand[thin], record.base[thin]
+def _draw_above(axes: Axes, log: RunLog, thin: Array, goal: Array | None) -> None:
+    """Plot hand and platform as seen from above."""
+    hand, base = log.hand[thin], log.base[thin]
     axes.plot(*hand[:, :2].T, color=_HAND, lw=2.5, label="hand")
     if goal is not None:
         axes.plot(*goal[thin, :2].T, color=_GOAL, ls="--", lw=1, label="goal")
@@ -76,7 +74,7 @@ def _draw_above(axes: Axes, record: RunLog, thin: Array, goal: Array | None) -> 
 def _draw_error(axes: Axes, t: Array, error: Array, tolerance: float) -> None:
     shown = np.maximum(1e3 * error, 1e-3)
     axes.semilogy(t, shown, color=_HAND, lw=1)
-    axes.set_ylim(shown.min() / 1.5, 8 * max(shown.max(), 1e3 * tolerance))  # room for words
+    axes.set_ylim(shown.min() / 1.5, 8 * max(shown.max(), 1e3 * tolerance))  # room for labels
     axes.yaxis.set_major_formatter("{x:g}")
     axes.yaxis.set_minor_formatter(NullFormatter())
     axes.axhline(1e3 * tolerance, color=_GOAL, ls=":", lw=1)
@@ -91,13 +89,13 @@ def _draw_error(axes: Axes, t: Array, error: Array, tolerance: float) -> None:
 
 
 def _mark(above: Axes, below: Axes, events: Sequence[RunEvent], end: float) -> None:
-    """Mark what happened in both, with words in the lower one, on the side with more room."""
+    """Mark events in both axes, with labels in the lower one on the side with more room."""
     for index, one in enumerate(events):
         for axes in (above, below):
             axes.axvline(one.t, color=_CHAOS, lw=1)
         left = one.t > end / 2
         below.annotate(
-            shorten(one.text.partition(",")[0], _LONGEST),  # it is said elsewhere, in full
+            shorten(one.text.partition(",")[0], _LONGEST),  # the summary has the full text
             (one.t, 0.98 - 0.06 * (index % 6)),
             xycoords=("data", "axes fraction"),
             xytext=(-3 if left else 3, 0),

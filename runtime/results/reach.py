@@ -1,4 +1,4 @@
-"""How near an arm can come to a place, by geometry alone: whoever moves it, however long."""
+"""How near an arm can come to a goal, by geometry alone: with any controller, in any time."""
 
 from collections.abc import Collection
 
@@ -21,13 +21,20 @@ def nearest(
     stuck: Collection[int] = (),
     roams: bool = False,
 ) -> float:
-    """Return the least distance [m] of the hand to `goal` (3,) [m] in the world that was found.
+    """Find the smallest distance between hand and goal that the arm can reach.
 
-    Each joint in turn comes as near as it alone can, over and over, from `q` (n,) [rad] and from
-    many random postures. `base` is (3,): x, y [m] and heading [rad], where the platform stays.
+    Cyclic coordinate descent, from `q` and from random postures.
 
-    stuck: joints (from 0) that stay as they are in q
-    roams: whether the platform may go anywhere instead of staying
+    Args:
+        robot: The robot.
+        goal: Position of the goal in the world [m], (3,).
+        base: x, y [m] and heading [rad] of the platform in the world, (3,).
+        q: Joint angles [rad], (n,).
+        stuck: Indices (from 0) of the joints that stay at their angle in `q`.
+        roams: Whether the platform may go anywhere; otherwise it stays at `base`.
+
+    Returns:
+        The smallest distance found [m].
     """
     kinematics = Kinematics(robot)
     rng = np.random.default_rng(0)

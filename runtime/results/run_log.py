@@ -1,4 +1,4 @@
-"""What the plant logged of a run: the truth, which no process sees while it runs."""
+"""The plant's log of a run: the true state of the robot, which no process sees while it runs."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -14,22 +14,22 @@ from runtime.wire.topics import PLANT, file_name
 
 
 class RunLogError(MsmaError, ValueError):
-    """A log from which nothing can be learned of the run."""
+    """A run's log that holds no motion."""
 
 
 @dataclass(frozen=True)
 class RunLog:
-    """The plant's log, from its last start on.
+    """The plant's log, from the last start of a plant on.
 
     Attributes:
-        t: (m,) plant time [s].
-        wall: (m,) the time of day [s].
-        hand: (m, 3) grip point in the world [m].
-        q: (m, n) joint angles [rad].
-        base: (m, 3) x, y [m] and heading [rad] in the world.
-        base_velocity: (m, 2) linear [m/s] and angular [rad/s].
-        age: (m, k) how old the command in force was when the step to that moment began [s], of
-            each joint and then of the platform; NaN where none was in force.
+        t: Plant time [s], (m,).
+        wall: Time of day [s], (m,).
+        hand: Position of the hand's grip point in the world [m], (m, 3).
+        q: Joint angles [rad], (m, n).
+        base: x, y [m] and heading [rad] of the platform in the world, (m, 3).
+        base_velocity: Linear [m/s] and angular [rad/s] velocity of the platform, (m, 2).
+        age: Age of the command in force when the step to that state began [s], for each joint and
+            then the platform, (m, k); NaN where none was in force.
         events: All other lines, as they were written.
     """
 
@@ -43,17 +43,25 @@ class RunLog:
     events: Sequence[Mapping[str, Any]]
 
     def t_at(self, wall: float) -> float:
-        """Return what plant time it was at a time of day [s]."""
+        """Return the plant time at a time of day, both [s]."""
         return float(np.interp(wall, self.wall, self.t))
+
+    def wall_at(self, t: float) -> float:
+        """Return the time of day at a plant time, both [s]."""
+        return float(np.interp(t, self.t, self.wall))
 
     @property
     def end(self) -> Mapping[str, Any]:
-        """The line of the plant's end, empty if it was killed."""
+        """The line about the plant's end; empty if it was killed."""
         return next((event for event in self.events if event["event"] == "end"), {})
 
 
 def read_run_log(run: Path) -> RunLog:
-    """Read the plant's log in a run's folder, or raise `RunLogError` if it never moved."""
+    """Read the plant's log in a run's folder.
+
+    Raises:
+        RunLogError: The plant logged no motion.
+    """
     lines = read_log(run, PLANT)
     starts = [index for index, line in enumerate(lines) if line["event"] == "start"]
     if starts:

@@ -1,4 +1,4 @@
-"""What is said at the end of a run: to people as text, to programs as `summary.json`."""
+"""The summary of a run: text for people, `summary.json` for programs."""
 
 import json
 import math
@@ -21,19 +21,22 @@ from runtime.wire.fields import Spread
 from runtime.wire.topics import PLANT
 
 MISSED = 3
-"""Exit code of a run that went to its end without reaching the goal."""
+"""Exit code of a run that ended on time without reaching the goal."""
 
 
 @dataclass(frozen=True)
 class ProcessSummary:
-    """One role's processes.
+    """The processes of one role.
 
     Attributes:
-        pids: Of each that ran in the role, the last one last.
-        restarts: How often one was started again.
-        rate: Turns of the loop a second at the end [Hz].
-        answer: Median, 99 % and worst time to answer the plant [s]; None if it does not.
-        refused: Key to reason to how many messages the last one refused.
+        role: The role.
+        host: The host of the last process; empty if it published no diagnostics.
+        pids: All processes of the role, oldest first.
+        restarts: How often a process was restarted.
+        rate: Loop rate of the last process at the end [Hz].
+        answer: Median, 99th percentile and worst latency of its answers to the plant [s]; None if
+            it does not answer.
+        refused: How many messages the last process refused, by topic and reason.
     """
 
     role: str
@@ -50,12 +53,14 @@ class Summary:
     """How a run went.
 
     Attributes:
-        robot: Its name.
-        code: The exit code.
+        robot: Name of the robot.
+        code: The exit code of the launcher.
         headline: The outcome in one sentence.
-        tolerance: How near the goal is near enough [m].
-        evaluation: None if the plant logged nothing.
-        events: What went wrong or was mended on the way, in the order of plant time.
+        tolerance: Largest error at the end that counts as reaching the goal [m].
+        evaluation: How well it went; None if the plant logged no motion.
+        events: Faults, failures and restarts, in the order of plant time.
+        processes: The processes of each role.
+        run: The run's folder.
         again: The command that repeats the run.
     """
 
@@ -70,7 +75,7 @@ class Summary:
     again: str
 
     def to_json(self) -> str:
-        """Return all of it, in SI units."""
+        """Return the summary for programs, in SI units."""
         plain = asdict(self) | {
             "run": str(self.run),
             "events": [one._asdict() for one in self.events],
@@ -80,7 +85,7 @@ class Summary:
         return json.dumps(plain, indent=2) + "\n"
 
     def text(self) -> str:
-        """Return it for people."""
+        """Return the summary for a terminal."""
         lines = [f"{self.robot}: {self.headline}", *columns(self._facts()), ""]
         table = [("role", "pid", "host", "restarts", "loop Hz", "answer ms", "refused")]
         lines += [f"  {line}" for line in columns(table + [_line(one) for one in self.processes])]
@@ -105,44 +110,50 @@ class Summary:
 def summarise(
     deployment: Deployment,
     run: Path,
-    course: RunOutcome,
-    record: RunLog | None,
+    outcome: RunOutcome,
+    log: RunLog | None,
     evaluation: Evaluation | None,
     again: Sequence[str] = (),
 ) -> Summary:
-    """Put together how the run in the folder `run` went.
+    """Summarise a run.
 
-    again: the options with which `msma launch` repeats it
+    Args:
+        deployment: The deployment that was run.
+        run: The run's folder.
+        outcome: How the run went, as the launcher saw it.
+        log: The plant's log; None if it has no motion.
+        evaluation: The evaluation of that log.
+        again: The options with which `msma launch` repeats the run.
     """
-    code, headline = _outcome(deployment, course, record, evaluation)
+    code, headline = _outcome(deployment, outcome, log, evaluation)
     return Summary(
         robot=deployment.robot,
         code=code,
         headline=headline,
         tolerance=deployment.tolerance,
         evaluation=evaluation,
-        events=tuple(sorted([*course.events, *_logged(deployment, run, record)])),
-        processes=tuple(_processes(deployment, run, course)),
+        events=tuple(sorted([*outcome.events, *_logged(deployment, run, log)])),
+        processes=tuple(_processes(deployment, run, outcome)),
         run=run,
         again=shlex.join(["msma", "launch", str(run / "deployment.yaml"), *again]),
     )
 
 
 def _outcome(
-    deployment: Deployment, course: RunOutcome, record: RunLog | None, evaluation: Evaluation | None
+    deployment: Deployment, outcome: RunOutcome, log: RunLog | None, evaluation: Evaluation | None
 ) -> tuple[int, str]:
-    """Return the exit code, and why."""
-    if course.host not in (None, deployment.plant.host):
-        return _of_share(course.host, course)
-    if record is None or evaluation is None:
-        failed = INTERRUPTED if course.code == INTERRUPTED else FAILED
-        return failed, f"the robot never moved: {course.reason}"
-    end = record.end
-    if course.code == INTERRUPTED:
+    """Return the exit code and the headline."""
+    if outcome.host not in (None, deployment.plant.host):
+        return _of_share(outcome.host, outcome)
+    if log is None or evaluation is None:
+        failed = INTERRUPTED if outcome.code == INTERRUPTED else FAILED
+        return failed, f"the robot never moved: {outcome.reason}"
+    end = log.end
+    if outcome.code == INTERRUPTED:
         return INTERRUPTED, f"interrupted at {evaluation.t:.2f} s"
     if deployment.duration is not None and evaluation.t < deployment.duration - 1e-9:
         when = f"at {evaluation.t:.2f} s of {deployment.duration:g} s"
-        if course.view.t > deployment.duration - 1e-9:
+        if outcome.view.t > deployment.duration - 1e-9:
             return FAILED, f"the plant went on, but its log ends {when}: is the disk full?"
         why = end.get("reason", "its process was killed")
         code = FAILED if end.get("code", FAILED) == FAILED else INTERRUPTED
@@ -152,14 +163,14 @@ def _outcome(
     return _reached(evaluation.tracking, evaluation.t, deployment.tolerance)
 
 
-def _of_share(host: str, course: RunOutcome) -> tuple[int, str]:
-    """Return how a host fared that does not have the plant, so that it cannot evaluate the run."""
-    t = course.view.t
-    if course.code == INTERRUPTED:
+def _of_share(host: str, outcome: RunOutcome) -> tuple[int, str]:
+    """Return code and headline for a host without the plant, which cannot evaluate the run."""
+    t = outcome.view.t
+    if outcome.code == INTERRUPTED:
         return INTERRUPTED, f"the share of {host} was interrupted at {t:.2f} s"
     if t == 0:
-        return FAILED, f"the share of {host} saw no plant move: is its host's share started?"
-    return OK, f"the share of {host} ran to {t:.2f} s; the host of the plant judges the run"
+        return FAILED, f"the share of {host} saw no plant move: was the plant's host started?"
+    return OK, f"the share of {host} ran to {t:.2f} s; the plant's host evaluates the run"
 
 
 def _reached(tracking: Tracking, t: float, tolerance: float) -> tuple[int, str]:
@@ -195,40 +206,40 @@ def _of_platform(platform: PlatformMotion) -> list[tuple[str, str]]:
     ]
 
 
-def _logged(deployment: Deployment, run: Path, record: RunLog | None) -> Iterator[RunEvent]:
-    """Yield what broke in the robot, and who was started again, by the logs."""
-    if record is None:
+def _logged(deployment: Deployment, run: Path, log: RunLog | None) -> Iterator[RunEvent]:
+    """Yield the robot's faults and the restarts of processes, from the logs."""
+    if log is None:
         return
-    for event in record.events:
+    for event in log.events:
         if event["event"] == "fault":
             yield RunEvent(event["t"], f"fault {event['fault']}")
     for role, count in Counter(member.role for member in deployment.processes).items():
         for again in read_log(run, role, "start")[count:]:
-            text = f"{role} was started again{_obeyed(run, record, again)}"
-            yield RunEvent(record.t_at(again["wall"]), text)
+            text = f"{role} was restarted{_recovery(run, log, again)}"
+            yield RunEvent(log.t_at(again["wall"]), text)
 
 
-def _obeyed(run: Path, record: RunLog, started: Mapping[str, Any]) -> str:
-    """Return how soon a process was obeyed: after it was called for, if the launcher did that."""
-    said = (e for e in record.events if e["event"] == "obeys" and e["by"] == started["by"])
-    obeyed = next(said, None)
+def _recovery(run: Path, log: RunLog, started: Mapping[str, Any]) -> str:
+    """Return how long a restarted process took to its first accepted command, as text."""
+    found = (e for e in log.events if e["event"] == "obeys" and e["by"] == started["by"])
+    obeyed = next(found, None)
     if obeyed is None:
         return ""
-    called = (
+    requested = (
         line["wall"]
         for line in read_log(run, "launcher", "chaos")
         if (line["action"], line["target"]) == ("revive", started["role"])
     )
-    began = max((wall for wall in called if wall <= started["wall"]), default=started["wall"])
-    return f", obeyed after {obeyed['wall'] - began:.2f} s"
+    began = max((wall for wall in requested if wall <= started["wall"]), default=started["wall"])
+    return f", first command accepted after {obeyed['wall'] - began:.2f} s"
 
 
-def _processes(deployment: Deployment, run: Path, course: RunOutcome) -> list[ProcessSummary]:
-    rows: dict[str, Row] = {row.role: row for row in course.view.rows}
+def _processes(deployment: Deployment, run: Path, outcome: RunOutcome) -> list[ProcessSummary]:
+    rows: dict[str, Row] = {row.role: row for row in outcome.view.rows}
     plant = rows.get(PLANT)
     answers = plant.diag.answers if plant is not None and plant.diag is not None else {}
     processes = []
-    members = [one for one in deployment.processes if course.host in (None, one.host)]
+    members = [one for one in deployment.processes if outcome.host in (None, one.host)]
     for role, count in Counter(one.role for one in members).items():
         diag = rows[role].diag if role in rows else None
         pids = tuple(line["pid"] for line in read_log(run, role, "start"))

@@ -86,12 +86,12 @@ def test_chaos_kills_revives_and_breaks_by_the_clock_of_the_plant(robot: Robot) 
     code, said = robot.run(*SPEED, file="arph-faults.yaml")
     assert code == 0, said
     what = [(event["text"], event["t"]) for event in robot.summary["events"]]
-    assert [text.partition(", obeyed after ")[0] for text, _ in what] == [
+    assert [text.partition(", first command accepted after ")[0] for text, _ in what] == [
         "fault joint/1:locked",
         "joint/2 was killed by SIGKILL",
-        "joint/2 was started again",
+        "joint/2 was restarted",
     ]
-    assert re.fullmatch(r".*, obeyed after \d+\.\d\d s", what[2][0])
+    assert re.fullmatch(r".*, first command accepted after \d+\.\d\d s", what[2][0])
     assert [t for _, t in what[:2]] == pytest.approx([5.0, 10.0], abs=1.5)
     assert 14.0 < what[2][1] < 22.0  # a busy machine takes its time to start one
     restarts = {process["role"]: process["restarts"] for process in robot.summary["processes"]}

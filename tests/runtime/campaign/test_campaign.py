@@ -1,4 +1,4 @@
-"""Campaigns of real processes: ten runs, what is left of them, and mistakes on the way."""
+"""Campaigns of real processes: ten runs, what remains of them, and bad input."""
 
 import json
 import shlex
@@ -32,11 +32,11 @@ def test_ten_runs_with_random_faults_of_any_process_all_reach_the_goal(robot: Ro
     assert robot.processes() == {}
     folder, said = report(robot)
     assert said["reached"] == 10
-    assert all(1 <= len(trial["after"]["hits"]) <= 3 for trial in said["trials"])
+    assert all(1 <= len(run["impact"]["faults"]) <= 3 for run in said["runs"])
     assert said["interval"] == pytest.approx([0.722, 1.0], abs=0.001)
     assert (folder / "chaos.md").read_text().startswith(f"# Chaos: {robot.name}, 10 runs")
     assert {path.parent for path in folder.glob("*/plant.jsonl")} == {
-        Path(trial["run"]) for trial in said["trials"]
+        Path(run["folder"]) for run in said["runs"]
     }
 
 
@@ -52,29 +52,31 @@ class Lame(PlatformAgent):
 """
 
 
-def test_a_run_that_misses_is_told_with_what_repeats_it(robot: Robot, tmp_path: Path) -> None:
-    """An agent that does as well as any in a forecast, and stands still in a process."""
+def test_a_run_that_misses_is_reported_with_the_command_that_repeats_it(
+    robot: Robot, tmp_path: Path
+) -> None:
+    """The agent does well in the forecast, and stands still in a real process."""
     (tmp_path / "lame.py").write_text(LAME)
     options = ["--robot", robot.name, *SHORT]
     options += ["--set", f"modules={tmp_path}", "--set", "agents.platform.class=lame:Lame"]
     done = robot.msma("chaos", FILE, *options, "--runs", "1", "--seed", "7")
     assert done.returncode == 3, done.stdout + done.stderr
     _, first = report(robot)
-    again = first["trials"][0]["again"]
-    assert again == shlex.join(["msma", "chaos", FILE, *options, "--runs", "1", "--seed", "7"])
-    assert again in done.stdout
+    command = first["runs"][0]["command"]
+    assert command == shlex.join(["msma", "chaos", FILE, *options, "--runs", "1", "--seed", "7"])
+    assert command in done.stdout
 
 
 @pytest.mark.parametrize(
     ("options", "says"),
     [
-        (("--runs", "0"), "--runs 0: one at least is wanted"),
-        (("--set", "duration=null"), "give goal and duration"),
-        (("--kill", "platform@1"), "the goal is not in reach: the hand would end 1.0"),
+        (("--runs", "0"), "--runs 0: must be at least 1, such as 10"),
+        (("--set", "duration=null"), "a campaign needs both `goal` and `duration`"),
+        (("--kill", "platform@1"), "the goal is not within reach: the hand would end 1.0"),
         (("--partition", "local@3:1s"), "cannot be broken from here"),
     ],
 )
-def test_a_campaign_that_cannot_be_starts_nothing(
+def test_an_impossible_campaign_starts_nothing(
     robot: Robot, options: tuple[str, ...], says: str
 ) -> None:
     done = robot.msma("chaos", FILE, "--robot", robot.name, *options)
@@ -84,7 +86,7 @@ def test_a_campaign_that_cannot_be_starts_nothing(
     assert not (robot.folder / "runs").exists()
 
 
-def test_a_run_that_fails_is_told_with_the_reason(robot: Robot) -> None:
+def test_a_run_that_fails_is_reported_with_the_reason(robot: Robot) -> None:
     with socket.create_server((LOOPBACK, 0)) as other:
         port = other.getsockname()[1]
         taken = ("--set", f"port={port}")

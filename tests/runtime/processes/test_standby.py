@@ -83,5 +83,5 @@ def test_a_copy_that_was_killed_can_be_revived(robot: Robot) -> None:
     )
     assert code == 0, said
     assert len(robot.log("joint/1", "start")) == 3
-    assert said.count("joint/1 was started again") == 1
+    assert said.count("joint/1 was restarted") == 1
     wait_for(lambda: not robot.processes(), "all to end", timeout=5.0)

@@ -110,7 +110,9 @@ def test_when_the_first_host_dies_the_others_go_on_and_newcomers_join(robot: Rob
     for motor, earliest in ((0, 1.5), (1, 3.0)):
         ((last, _),) = silences(robot, [motor])
         assert earliest < last < earliest + 1.5
-        told = re.search(rf"joint/{motor + 1} was started again, obeyed after (\S+) s", said)
+        told = re.search(
+            rf"joint/{motor + 1} was restarted, first command accepted after (\S+) s", said
+        )
         assert told is not None, said
         assert float(told[1]) < SOON
     assert robot.summary["evaluation"]["tracking"]["final"] < 0.003

@@ -1,4 +1,4 @@
-"""How runs are judged, by records made up for it."""
+"""The evaluation of runs, from logs made for the purpose."""
 
 import math
 from collections.abc import Mapping
@@ -29,14 +29,14 @@ def deployment() -> Deployment:
     return load(ROOT / "deploy" / "arph.yaml")
 
 
-def record(
+def run_log(
     deployment: Deployment,
     off: Array | float,
     speed: float = 0.1,
     until: float = 24.0,
     end: Mapping[str, Any] = ENDED,
 ) -> RunLog:
-    """Make a record of a hand that is `off` [m] sideways from its goal, at each of the states."""
+    """Make the log of a hand that is `off` [m] sideways from its goal, at each of the states."""
     assert deployment.goal is not None
     t = np.arange(0.0, until + 1e-9, 0.06)
     hand = goals(deployment.goal.build(), t)
@@ -57,8 +57,8 @@ def outcome(
     )
 
 
-def test_a_hand_near_its_goal_all_along_has_reached_it(deployment: Deployment) -> None:
-    made = record(deployment, 0.001)
+def test_a_hand_that_stays_near_its_goal_has_reached_it(deployment: Deployment) -> None:
+    made = run_log(deployment, 0.001)
     tracking = evaluate(made, deployment).tracking
     assert tracking is not None
     assert tracking.final == pytest.approx(0.001)
@@ -70,7 +70,7 @@ def test_a_hand_near_its_goal_all_along_has_reached_it(deployment: Deployment) -
 def test_the_first_two_seconds_do_not_count(deployment: Deployment) -> None:
     off = np.full(401, 0.001)
     off[:30] = 0.02
-    tracking = evaluate(record(deployment, off), deployment).tracking
+    tracking = evaluate(run_log(deployment, off), deployment).tracking
     assert tracking is not None
     assert tracking.worst == pytest.approx(0.001)
     assert tracking.since == pytest.approx(1.8)
@@ -79,13 +79,15 @@ def test_the_first_two_seconds_do_not_count(deployment: Deployment) -> None:
 def test_a_hand_that_leaves_at_the_end_has_missed(deployment: Deployment) -> None:
     off = np.full(401, 0.001)
     off[-1] = 0.004
-    summary = outcome(deployment, record(deployment, off))
+    summary = outcome(deployment, run_log(deployment, off))
     assert summary.code == MISSED
     assert "4.00 mm off" in summary.headline
 
 
-def test_a_missed_goal_is_said_to_be_out_of_reach_by_so_much(deployment: Deployment) -> None:
-    summary = outcome(deployment, record(deployment, 0.5))  # where the platform did not move
+def test_the_summary_of_a_missed_goal_says_how_far_it_is_out_of_reach(
+    deployment: Deployment,
+) -> None:
+    summary = outcome(deployment, run_log(deployment, 0.5))  # where the platform did not move
     assert summary.code == MISSED
     assert "out of reach" in summary.headline
     assert summary.evaluation is not None
@@ -97,7 +99,7 @@ def test_a_missed_goal_is_said_to_be_out_of_reach_by_so_much(deployment: Deploym
 def test_a_platform_that_goes_backwards_is_seen(
     deployment: Deployment, speed: float, backwards: bool
 ) -> None:
-    platform = evaluate(record(deployment, 0.0, speed), deployment).platform
+    platform = evaluate(run_log(deployment, 0.0, speed), deployment).platform
     assert platform is not None
     assert platform.reversed == backwards
 
@@ -114,16 +116,16 @@ def test_a_platform_that_goes_backwards_is_seen(
 def test_a_plant_that_ends_early_decides_the_exit_code(
     deployment: Deployment, end: dict[str, Any], code: int
 ) -> None:
-    made = record(deployment, 0.0, until=9.0, end={"event": "x", **end})
+    made = run_log(deployment, 0.0, until=9.0, end={"event": "x", **end})
     assert outcome(deployment, made).code == code
 
 
 def test_a_log_that_ends_before_its_plant_is_no_success(deployment: Deployment) -> None:
     assert deployment.duration is not None
-    made = record(deployment, 0.0, until=9.0)
-    told = outcome(deployment, made, seen=NOTHING._replace(t=deployment.duration))
-    assert told.code == FAILED
-    assert "is the disk full?" in told.headline
+    made = run_log(deployment, 0.0, until=9.0)
+    summary = outcome(deployment, made, seen=NOTHING._replace(t=deployment.duration))
+    assert summary.code == FAILED
+    assert "is the disk full?" in summary.headline
 
 
 def test_a_robot_that_never_moved_has_failed(deployment: Deployment, tmp_path: Path) -> None:
@@ -142,7 +144,7 @@ def test_only_the_last_plant_counts_and_cut_lines_do_not(tmp_path: Path) -> None
     assert read_run_log(tmp_path).t.tolist() == [3.0]
 
 
-def test_a_place_that_the_arm_reaches_is_found_within_reach(deployment: Deployment) -> None:
+def test_a_goal_that_the_arm_reaches_is_found_to_be_within_reach(deployment: Deployment) -> None:
     robot = deployment.description.robot
     rng = np.random.default_rng(1)
     base = np.array([1.0, -2.0, 0.5])
@@ -153,7 +155,7 @@ def test_a_place_that_the_arm_reaches_is_found_within_reach(deployment: Deployme
         assert nearest(robot, goal, base, start) < 1e-3
 
 
-def test_a_place_beyond_the_stretched_arm_is_as_far_as_it_is(deployment: Deployment) -> None:
+def test_the_distance_of_a_goal_beyond_the_stretched_arm_is_found(deployment: Deployment) -> None:
     robot = deployment.description.robot
     start = np.array(deployment.start.joints)
     shoulder = Kinematics(robot).forward(start).points[1]

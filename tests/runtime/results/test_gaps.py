@@ -1,4 +1,4 @@
-"""Gaps between commands, from ages as the plant logs them."""
+"""Gaps between commands, from the ages in the plant's log."""
 
 import numpy as np
 import pytest
@@ -9,14 +9,14 @@ from runtime.results.run_log import RunLog
 NONE = np.nan
 
 
-def record(t: list[float], ages: list[list[float]]) -> RunLog:
+def run_log(t: list[float], ages: list[list[float]]) -> RunLog:
     ticks, few = np.array(t), np.zeros((len(t), 3))
     return RunLog(ticks, ticks, few, few, few, few[:, :2], np.array(ages), [])
 
 
 def test_commands_arrived_as_long_ago_as_the_plant_says() -> None:
     seen = arrivals(
-        record([0.0, 0.1, 0.2, 0.3], [[NONE, NONE], [0.02, NONE], [0.12, NONE], [0.01, NONE]]), 0.1
+        run_log([0.0, 0.1, 0.2, 0.3], [[NONE, NONE], [0.02, NONE], [0.12, NONE], [0.01, NONE]]), 0.1
     )
     assert seen[0] == pytest.approx([-0.02, 0.19])
     assert len(seen[1]) == 0
@@ -39,13 +39,13 @@ TIMES = np.array([1.0, 1.1, 1.2, 2.0, 2.1])
     ],
     ids=["even", "within one", "at its edge", "in it", "after", "to the end", "before", "silence"],
 )
-def test_the_longest_gap_that_touches_a_time_is_found(
+def test_the_longest_gap_that_overlaps_a_span_is_found(
     since: float, until: float, gap: float
 ) -> None:
     assert longest(TIMES, since, until) == pytest.approx(gap)
 
 
-def test_without_any_command_all_of_the_time_is_a_gap() -> None:
+def test_without_any_command_the_whole_span_is_a_gap() -> None:
     assert longest(np.array([]), 1.0, 3.0) == 2.0
 
 

@@ -1,4 +1,4 @@
-"""Results that cannot be written."""
+"""Files that cannot be written."""
 
 from pathlib import Path
 
@@ -7,29 +7,29 @@ import pytest
 from runtime.results.finishing import save
 
 
-def test_what_can_be_written_is_not_spoken_of(tmp_path: Path) -> None:
+def test_a_file_that_can_be_written_gives_no_message(tmp_path: Path) -> None:
     file = tmp_path / "summary.json"
     assert save(file, lambda file: file.write_text("{}")) == ""
     assert file.read_text() == "{}"
 
 
-def test_a_full_disk_is_said_in_a_line_that_names_the_file(tmp_path: Path) -> None:
+def test_a_full_disk_is_reported_in_a_line_that_names_the_file(tmp_path: Path) -> None:
     file = tmp_path / "summary.json"
     file.symlink_to("/dev/full")
     said = save(file, lambda file: file.write_text("{}"))
     assert said.strip() == f"{file} cannot be written: No space left on device"
 
 
-def test_no_half_of_a_file_is_left(tmp_path: Path) -> None:
-    def half(file: Path) -> None:
+def test_no_partial_file_is_left(tmp_path: Path) -> None:
+    def write_half(file: Path) -> None:
         file.write_text("{")
         raise OSError(28, "No space left on device")
 
     file = tmp_path / "summary.json"
-    assert "No space left" in save(file, half)
+    assert "No space left" in save(file, write_half)
     assert not file.exists()
 
 
-def test_other_mistakes_are_not_taken_for_a_full_disk(tmp_path: Path) -> None:
+def test_other_errors_are_not_caught(tmp_path: Path) -> None:
     with pytest.raises(ZeroDivisionError):
         save(tmp_path / "summary.json", lambda _: 1 / 0)
