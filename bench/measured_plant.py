@@ -20,11 +20,11 @@ class Watched(AnswerTimes):
 
     def told(self, t: float, now: float) -> None:
         """The state of plant time `t` [s] was told `now` [s]."""
-        self._ticks.told(round(t / self._step), now)
+        self._ticks.sent(round(t / self._step), now)
 
     def heard(self, role: str, t: float, now: float) -> None:
         """An answer of `role` to the state of `t` [s] arrived `now` [s]."""
-        self._ticks.heard(role, round(t / self._step), now)
+        self._ticks.answered(role, round(t / self._step), now)
 
 
 def main() -> int:

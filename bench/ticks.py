@@ -1,8 +1,8 @@
-"""The stop-watch of every loop that is measured: which tick was told when, and who answered when.
+"""The stopwatch of every loop that is measured: when each tick was sent, and when it was answered.
 
-It sits in the process that tells the ticks, so that one clock measures all. Every side of a
-comparison is measured by this very code, whatever it sends with; so it needs nothing but the
-standard library, and runs in the environment of each side.
+It runs in the process that sends the ticks, so one clock measures all. The same code measures every
+side of a comparison, whatever that side sends with, so it needs only the standard library and runs
+in the environment of each side.
 """
 
 import json
@@ -15,24 +15,28 @@ from typing import Any
 GO, DONE = "go", "done"
 """The events that are printed: the measurement begins, and it has ended."""
 PATIENCE = 15.0
-"""For all to answer for the first time [s]."""
+"""From the first tick until all have answered for the first time [s]."""
 SETTLE = 1.0
-"""From everybody's first answer to the begin of the measurement [s]."""
-_LATE = 0.25  # [s] that answers have after the last tick
+"""From the first answer of the last role to the start of the measurement [s]."""
+_LATE = 0.25  # [s] during which answers to the last tick still count
 
 
 def say(event: dict[str, Any]) -> None:
-    """Print an event, as one line of JSON, for who has started this process."""
+    """Print an event as one line of JSON, for the parent process."""
     print(json.dumps(event), flush=True)
 
 
 class Ticks:
-    """Notes ticks told and answers heard, for a while that begins once all have answered.
+    """Records when ticks are sent and answered, from when all roles have answered once.
 
-    roles: who is to answer
-    period: of the ticks [s]
-    seconds: how long to measure [s]
-    settle: how long after everybody's first answer to begin [s]
+    It reads no clock: whoever sends and receives says when.
+
+    Args:
+        roles: The roles that are to answer.
+        period: The period of the ticks [s].
+        seconds: How long to measure [s].
+        settle: From the first answer of the last role to the start of the measurement [s].
+        report: Is called with each event.
     """
 
     def __init__(
@@ -41,39 +45,43 @@ class Ticks:
         period: float,
         seconds: float,
         settle: float = SETTLE,
-        tell: Callable[[dict[str, Any]], None] = say,
+        report: Callable[[dict[str, Any]], None] = say,
     ) -> None:
-        self._period, self._tell = period, tell
+        self._period, self._report = period, report
         self._count = max(round(seconds / period), 1)
         self._settle = max(round(settle / period), 1)
         self._missing = set(roles)
         self._begin = math.inf
-        self._told = array("d", [math.nan]) * self._count
+        self._sent = array("d", [math.nan]) * self._count
         self._took = {role: array("d", [math.nan]) * self._count for role in roles}
         self._gone = False
-        self._made = time.monotonic()
+        self._first = math.inf
         self.over = False
 
-    def told(self, tick: int, now: float) -> None:
-        """Tick number `tick` is told `now` [s, monotonic]."""
+    def sent(self, tick: int, now: float) -> None:
+        """Record that tick number `tick` is sent `now` [s, monotonic]."""
         index = tick - self._begin
         if 0 <= index < self._count:
-            self._told[int(index)] = now
+            self._sent[int(index)] = now
             if not self._gone:
                 self._gone = True
-                self._tell({"event": GO})
+                self._report({"event": GO})
         elif index >= self._count and not self.over:
-            last = self._told[self._count - 1]
+            last = self._sent[self._count - 1]
             if now > last + max(_LATE, 3 * self._period) or last != last:
                 self.over = True
-                self._tell({"event": DONE, **self.result()})
-        elif self._missing and now - self._made > PATIENCE:
-            self.over = True
-            missing = ", ".join(sorted(self._missing))
-            self._tell({"event": DONE, "error": f"{missing} did not answer in {PATIENCE:g} s"})
+                self._report({"event": DONE, **self.result()})
+        elif self._missing:
+            self._first = min(self._first, now)
+            if now - self._first > PATIENCE:
+                self.over = True
+                missing = ", ".join(sorted(self._missing))
+                self._report(
+                    {"event": DONE, "error": f"{missing} did not answer in {PATIENCE:g} s"}
+                )
 
-    def heard(self, role: str, tick: int, now: float) -> None:
-        """The answer of `role` to a tick has arrived `now` [s, monotonic]."""
+    def answered(self, role: str, tick: int, now: float) -> None:
+        """Record that the answer of `role` to a tick arrives `now` [s, monotonic]."""
         if self._missing:
             self._missing.discard(role)
             if not self._missing:
@@ -83,32 +91,37 @@ class Ticks:
         if 0 <= index < self._count:
             took = self._took[role]
             if took[int(index)] != took[int(index)]:  # the first answer to that tick
-                took[int(index)] = now - self._told[int(index)]
+                took[int(index)] = now - self._sent[int(index)]
 
     def result(self) -> dict[str, Any]:
-        """Return what was measured, times in seconds.
+        """Return what was measured.
 
-        ticks: how many were told; missed: how many were due and not told
-        in_time: how many were answered by all within the period; answered: by all, at any time
-        by_role: how many each answered within the period; heard: at any time
-        times: quantiles of all answers' times: p50, p99, p999, worst; curve: at each percent
+        Returns:
+            ticks: How many ticks were sent.
+            missed: How many were due and not sent.
+            in_time: How many all roles answered within the period.
+            answered: How many all roles answered at any time.
+            by_role: How many each role answered within the period.
+            heard: How many each role answered at any time.
+            times: Quantiles of the times of all answers [s]: p50, p99, p999, worst.
+            curve: The same at each percent [s].
         """
-        told = [index for index in range(self._count) if self._told[index] == self._told[index]]
-        columns = [[took[index] for index in told] for took in self._took.values()]
+        sent = [index for index in range(self._count) if self._sent[index] == self._sent[index]]
+        columns = [[took[index] for index in sent] for took in self._took.values()]
         slowest = [max(each) if not any(map(math.isnan, each)) else math.inf
                    for each in zip(*columns, strict=True)]  # fmt: skip
         times = sorted(time for column in columns for time in column if not math.isnan(time))
         return {
-            "ticks": len(told),
-            "missed": self._count - len(told),
+            "ticks": len(sent),
+            "missed": self._count - len(sent),
             "in_time": sum(time <= self._period for time in slowest),
             "answered": sum(time < math.inf for time in slowest),
             "by_role": {
-                role: sum(took[index] <= self._period for index in told)
+                role: sum(took[index] <= self._period for index in sent)
                 for role, took in self._took.items()
             },
             "heard": {
-                role: sum(took[index] == took[index] for index in told)
+                role: sum(took[index] == took[index] for index in sent)
                 for role, took in self._took.items()
             },
             "times": {

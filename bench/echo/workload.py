@@ -91,8 +91,8 @@ def be_plant(part: Part, tell: Callable[[int], None], heard: Heard) -> None:
     while True:
         beat.wait()
         for role, arrived, data in heard():
-            ticks.heard(role, tick_of(data), arrived)
-        ticks.told(tick, time.monotonic())
+            ticks.answered(role, tick_of(data), arrived)
+        ticks.sent(tick, time.monotonic())
         tell(tick)
         tick += 1
 

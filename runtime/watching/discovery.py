@@ -35,6 +35,7 @@ _ALL_PORTS = range(ALL_BASES.start, ALL_BASES.stop)
 _TABLES = {"/proc/net/tcp": socket.AF_INET, "/proc/net/tcp6": socket.AF_INET6}
 _LISTENS = "0A"  # as those tables say it
 _PATIENCE = 1.0  # [s]
+_CONNECTING = 3.0  # [s] until a busy process that listens has accepted a tool
 _CHECKING = 0.1  # [s] for all others to check a certificate, once one has
 _BY_FILE = "if its file sets its port, hosts or security, give the file: --file FILE"
 
@@ -143,16 +144,25 @@ def is_taken(port: int, host: str = LOOPBACK) -> bool:
 def _somebody(bus: Bus, target: Target) -> bool:
     """Tell whether anybody is there, once all had time to connect.
 
-    On the same machine they have when a session is open, but not if they check certificates.
+    On the same machine they usually have when a session is open, but not if it is busy or if they
+    check certificates.
     """
-    until = time.monotonic() + _PATIENCE
+    until = time.monotonic() + _CONNECTING
     there = bool(bus.who_is_alive(_PATIENCE))
+    while not there and time.monotonic() < until and _may_answer(target):
+        time.sleep(0.02)
+        there = bool(bus.who_is_alive(_PATIENCE))
     if target.credentials is not None:
-        while not there and time.monotonic() < until:
-            time.sleep(0.02)
-            there = bool(bus.who_is_alive(_PATIENCE))
         time.sleep(_CHECKING)
     return there
+
+
+def _may_answer(target: Target) -> bool:
+    """Tell whether a process of a robot may be there: on this machine, if one has a port of it."""
+    mesh = target.mesh
+    return set(mesh.addresses) != {LOOPBACK} or any(
+        mesh.base <= there.port < mesh.base + SLOTS for there in _listening()
+    )
 
 
 @contextmanager

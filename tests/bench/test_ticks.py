@@ -6,26 +6,28 @@ import pytest
 
 from bench.ticks import DONE, GO, PATIENCE, Ticks, quantile
 
+START = 1000.0  # [s], of a clock that nothing else reads
 
-class Told:
-    """A run of ticks at 1 kHz by a clock of its own."""
+
+class Measurement:
+    """A measurement of ticks at 1 kHz by a clock of its own."""
 
     def __init__(self, roles: list[str], seconds: float = 0.01) -> None:
         self.events: list[dict[str, Any]] = []
-        self.ticks = Ticks(roles, 0.001, seconds, settle=0.002, tell=self.events.append)
+        self.ticks = Ticks(roles, 0.001, seconds, settle=0.002, report=self.events.append)
         self.roles = roles
 
     def run(self, late: dict[tuple[str, int], float | None], skip: tuple[int, ...] = ()) -> None:
         """Each role answers each tick after 0.1 ms, or as `late` says, or not at all (None)."""
         for tick in range(400):
-            now = 1000.0 + tick * 0.001
+            now = START + tick * 0.001
             if tick in skip:
                 continue
-            self.ticks.told(tick, now)
+            self.ticks.sent(tick, now)
             for role in self.roles:
                 after = late.get((role, tick), 0.0001)
                 if after is not None:
-                    self.ticks.heard(role, tick, now + after)
+                    self.ticks.answered(role, tick, now + after)
 
     @property
     def done(self) -> dict[str, Any]:
@@ -33,43 +35,47 @@ class Told:
 
 
 def test_all_is_counted_when_all_answer_at_once() -> None:
-    told = Told(["a", "b"])
-    told.run({})
-    assert [event["event"] for event in told.events] == [GO, DONE]
-    assert (told.done["ticks"], told.done["missed"]) == (10, 0)
-    assert told.done["in_time"] == told.done["answered"] == 10
-    assert told.done["times"]["worst"] == pytest.approx(0.0001)
-    json.dumps(told.done)
+    measurement = Measurement(["a", "b"])
+    measurement.run({})
+    assert [event["event"] for event in measurement.events] == [GO, DONE]
+    assert (measurement.done["ticks"], measurement.done["missed"]) == (10, 0)
+    assert measurement.done["in_time"] == measurement.done["answered"] == 10
+    assert measurement.done["times"]["worst"] == pytest.approx(0.0001)
+    json.dumps(measurement.done)
 
 
-def test_late_and_missing_answers_are_told_apart() -> None:
-    told = Told(["a", "b"])
-    told.run({("a", 4): 0.002, ("b", 6): None})
-    assert told.done["answered"] == 9
-    assert told.done["in_time"] == 8
-    assert told.done["by_role"] == {"a": 9, "b": 9}
-    assert told.done["heard"] == {"a": 10, "b": 9}
-    assert told.done["times"]["worst"] == pytest.approx(0.002)
+def test_late_and_missing_answers_are_distinguished() -> None:
+    measurement = Measurement(["a", "b"])
+    measurement.run({("a", 4): 0.002, ("b", 6): None})
+    assert measurement.done["answered"] == 9
+    assert measurement.done["in_time"] == 8
+    assert measurement.done["by_role"] == {"a": 9, "b": 9}
+    assert measurement.done["heard"] == {"a": 10, "b": 9}
+    assert measurement.done["times"]["worst"] == pytest.approx(0.002)
 
 
-def test_it_begins_only_when_everybody_has_answered() -> None:
-    told = Told(["a", "b"])
-    told.run({("b", tick): None for tick in range(50)})
-    assert told.done["in_time"] == 10
+def test_it_begins_only_when_all_roles_have_answered() -> None:
+    measurement = Measurement(["a", "b"])
+    measurement.run({("b", tick): None for tick in range(50)})
+    assert measurement.done["in_time"] == 10
 
 
-def test_ticks_that_were_not_told_are_missed() -> None:
-    told = Told(["a"])
-    told.run({}, skip=(5, 6))
-    assert (told.done["ticks"], told.done["missed"]) == (8, 2)
+def test_ticks_that_were_not_sent_are_missed() -> None:
+    measurement = Measurement(["a"])
+    measurement.run({}, skip=(5, 6))
+    assert (measurement.done["ticks"], measurement.done["missed"]) == (8, 2)
 
 
-def test_who_never_answers_is_named() -> None:
-    told = Told(["a", "b"])
-    told.ticks.heard("a", 0, 0.0)
-    told.ticks.told(1, told.ticks._made + PATIENCE + 1)
-    assert told.done["error"].startswith("b did not answer")
-    assert told.ticks.over
+@pytest.mark.parametrize("start", [0.0, 60.0, START, 1e9])
+def test_a_role_that_never_answers_is_named_whatever_the_clock_says(start: float) -> None:
+    measurement = Measurement(["a", "b"])
+    measurement.ticks.sent(0, start)
+    measurement.ticks.answered("a", 0, start)
+    measurement.ticks.sent(1, start + PATIENCE - 1)
+    assert not measurement.ticks.over
+    measurement.ticks.sent(2, start + PATIENCE + 1)
+    assert measurement.done["error"].startswith("b did not answer")
+    assert measurement.ticks.over
 
 
 def test_a_quantile_is_one_of_the_values() -> None:

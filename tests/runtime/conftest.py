@@ -4,7 +4,6 @@ import json
 import os
 import random
 import signal
-import socket
 import subprocess
 import sys
 import time
@@ -16,11 +15,11 @@ from typing import Any, TypeVar
 import pytest
 
 from runtime.results.logs import read_log
-from runtime.watching.discovery import is_taken
 from runtime.wire import topics
 from runtime.wire.bus import Bus
-from runtime.wire.mesh import LOOPBACK, SLOTS, on_loopback, port_base
+from runtime.wire.mesh import on_loopback, port_base
 from runtime.wire.messages import Diag, unpack
+from tests.ports import reserve_any, reserve_free
 
 ROOT = Path(__file__).parents[2]
 signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -97,7 +96,7 @@ class Robot:
     """A robot of a name of its own, with `msma` as a person would use it from another folder."""
 
     def __init__(self, folder: Path, stack: ExitStack) -> None:
-        self.name = _free_name(folder)
+        self.name = free_name(stack)
         self.folder = folder / self.name
         self.folder.mkdir()
         self.environment = {**os.environ, "PYTHONPATH": str(ROOT)}
@@ -195,13 +194,13 @@ class Robot:
         wait_for(lambda: not self.processes(), "all processes to be gone")
 
 
-def _free_name(folder: Path) -> str:
-    """Return a robot's name whose ports are free, and not those of another robot of that folder."""
-    others = {port_base(other.name) for other in folder.iterdir()}  # which may not run yet
+def free_name(stack: ExitStack) -> str:
+    """Return a robot's name whose ports are free, and stay so until the stack is closed."""
     while True:
         name = f"test-{os.getpid()}-{random.randrange(10**6)}"
-        base = port_base(name)
-        if base not in others and not any(map(is_taken, range(base, base + SLOTS))):
+        reservation = reserve_free(port_base(name))
+        if reservation is not None:
+            stack.enter_context(reservation)
             return name
 
 
@@ -227,28 +226,14 @@ def _end(process: subprocess.Popen[str]) -> None:
         raise AssertionError(f"process {process.pid} is still there")
 
 
-def _free_ports() -> tuple[int, socket.socket]:
-    """Return the first of 128 ports, and a socket on the last that marks them as taken."""
-    while True:
-        base = random.randrange(20000, 32000 - SLOTS, SLOTS)
-        mark = socket.socket()
-        try:
-            mark.bind((LOOPBACK, base + SLOTS - 1))
-            mark.listen()
-        except OSError:
-            mark.close()
-            continue
-        return base, mark
-
-
 @pytest.fixture
 def make_crew(tmp_path: Path) -> Iterator[Callable[[], ProcessGroup]]:
     """Make crews of robots of their own."""
     with ExitStack() as stack:
 
         def make() -> ProcessGroup:
-            port, mark = _free_ports()
-            stack.enter_context(mark)
+            port, reservation = reserve_any()
+            stack.enter_context(reservation)
             folder = tmp_path / str(port)
             folder.mkdir()
             return ProcessGroup(folder, f"test-{os.getpid()}-{port}", port, stack)

@@ -265,7 +265,6 @@ def corner(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return place
 
 
-@settings(deadline=None)
 @given(values=st.fixed_dictionaries({}, optional=OVERRIDES))
 def test_a_deployment_loads_again_from_what_it_dumps(corner: Path, values: dict[str, str]) -> None:
     if "goal" in values:
@@ -281,7 +280,7 @@ SCRAPS = ["[", "{", "}", ":", "\n", "- ", "&a ", "*a", "!!x ", "'", "~", "-1 ms"
 SCRAPS += ["\0", "x" * 300]
 
 
-@settings(deadline=None, max_examples=200)
+@settings(max_examples=200)
 @given(data=st.data())
 def test_a_garbled_file_is_read_or_refused_in_one_line(corner: Path, data: st.DataObject) -> None:
     text = GOOD

@@ -14,7 +14,8 @@ from runtime.wire import topics
 from runtime.wire.bus import Bus
 from runtime.wire.mesh import LOOPBACK, on_loopback
 from runtime.wire.security import OPERATOR, Credentials, names
-from tests.runtime.conftest import _free_ports, wait_for
+from tests.ports import reserve_any
+from tests.runtime.conftest import wait_for
 
 ROLES = ("plant", "goal", "joint/1", "joint/2", "platform")
 NAMES = names(ROLES)
@@ -51,8 +52,8 @@ class House:
 
     def __init__(self, folder: Path, stack: ExitStack) -> None:
         self.folder, self._stack = folder, stack
-        self.port, mark = _free_ports()
-        stack.enter_context(mark)
+        self.port, reservation = reserve_any()
+        stack.enter_context(reservation)
         self.robot = f"test-{self.port}"
         self.authority = Authority(self.robot, 10)
         write_keys(folder, self.authority, [*NAMES, "stranger"], [LOOPBACK])
