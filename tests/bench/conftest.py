@@ -22,5 +22,5 @@ def _ports_of_its_own(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
                 reservations.enter_context(reservation)
             return is_taken(port)
 
-        monkeypatch.setattr("bench.places.is_taken", taken)
+        monkeypatch.setattr("bench.machine.is_taken", taken)
         yield

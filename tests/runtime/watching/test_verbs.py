@@ -20,6 +20,10 @@ def running(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
         launcher = robot.launch("--duration", "1h")
         robot.until(0.3)
         launcher.kill()
+        wait_for(
+            lambda: all(line.split()[-1] in ROLES for line in robot.processes().values()),
+            "the launcher's forkserver to end",
+        )
         yield robot
 
 
