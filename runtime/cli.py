@@ -10,7 +10,7 @@ from importlib.util import find_spec
 import runtime.verbs
 from plant.errors import MsmaError
 from runtime.config.spelling import valid_are
-from runtime.errors import RunError
+from runtime.errors import exit_code
 
 _GROUP = "msma.verbs"
 
@@ -22,30 +22,18 @@ def main(argv: Sequence[str] | None = None) -> int:
     """
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # for small arrays
     verb, *rest = (sys.argv[1:] if argv is None else argv) or [""]
-    try:
-        if verb in ("", "-h", "--help"):
-            print(_help())
-            return 0 if verb else 2
-        module = importlib.import_module(_module(verb))
-        parser = argparse.ArgumentParser(prog=f"msma {verb}", description=module.__doc__)
-        module.add_arguments(parser)
-        code: int = module.run(parser.parse_args(rest))
-        sys.stdout.flush()
-        return code
-    except MsmaError as error:
-        print("msma:", " ".join(str(error).splitlines()), file=sys.stderr)
-        return 1 if isinstance(error, RunError) else 2
-    except KeyboardInterrupt:
-        return 130
-    except BrokenPipeError:  # who reads our output has seen enough
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 0
-    except OSError as error:  # a full disk, say
-        if error.errno is None:  # it is not the system's word
-            raise
-        where = f"{error.filename}: " if error.filename else ""
-        print(f"msma: {where}{error.strerror}", file=sys.stderr)
-        return 1
+    if verb in ("", "-h", "--help"):
+        print(_help())
+        return 0 if verb else 2
+    return exit_code(lambda: _run(verb, rest))
+
+
+def _run(verb: str, arguments: Sequence[str]) -> int:
+    module = importlib.import_module(_module(verb))
+    parser = argparse.ArgumentParser(prog=f"msma {verb}", description=module.__doc__)
+    module.add_arguments(parser)
+    code: int = module.run(parser.parse_args(arguments))
+    return code
 
 
 def launch() -> int:

@@ -17,8 +17,9 @@ from collections.abc import Sequence
 from functools import partial
 from importlib import import_module
 
+from runtime.processes.roles import preload
 from runtime.processes.scheduling import set_realtime
-from runtime.spawning.forkserver import copied, import_needed
+from runtime.spawning.forkserver import copied
 
 BORN = "born"
 """The event that is printed first, with the `pids`."""
@@ -27,7 +28,7 @@ BORN = "born"
 def main() -> None:
     """Start what standard input says, and end it when that is closed."""
     commands: list[list[str]] = json.loads(sys.stdin.readline())
-    import_needed()
+    preload()
     for name, *_ in commands:
         import_module(name)
     gc.freeze()  # so that collecting garbage does not make the copies' memory their own

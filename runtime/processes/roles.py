@@ -5,12 +5,28 @@ one acts already.
 """
 
 import sys
+from importlib import import_module
 from pathlib import Path
 
 from plant.errors import MsmaError
 from runtime.config.deployment import Deployment, ProcessSpec
 from runtime.processes.process import Loop, Process
 from runtime.wire import topics
+
+_AGENTS = "an agent"
+_NEEDED = {
+    _AGENTS: ("runtime.processes.agent_process", "agents.joint", "agents.platform"),
+    topics.PLANT: ("runtime.processes.plant_process",),
+    topics.GOAL_SOURCE: ("runtime.processes.goal_process",),
+}
+"""What the process of a role imports besides this module."""
+
+
+def preload(role: str | None = None) -> None:
+    """Import what the process of a role needs, or of any role, for copies of this process."""
+    for modules in _NEEDED.values() if role is None else [_NEEDED.get(role, _NEEDED[_AGENTS])]:
+        for module in modules:
+            import_module(module)
 
 
 def live(deployment: Deployment, member: ProcessSpec, file: Path, run: Path | None = None) -> int:

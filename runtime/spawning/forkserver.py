@@ -15,23 +15,14 @@ import traceback
 from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
-from importlib import import_module
 from pathlib import Path
 from typing import Self
 
 from setproctitle import setproctitle
 
-from runtime import cli
+from runtime.errors import exit_code
 from runtime.spawning.tasks import LOST, ChildProcess, Task, start
-from runtime.wire import topics
 
-_AGENTS = "an agent"
-_NEEDED = {
-    _AGENTS: ("runtime.processes.agent_process", "agents.joint", "agents.platform"),
-    topics.PLANT: ("runtime.processes.plant_process",),
-    topics.GOAL_SOURCE: ("runtime.processes.goal_process",),
-}
-"""What a role's process imports besides the verb."""
 _LONGEST = 1 << 16  # [bytes] of a question
 _PATIENCE = 30.0  # [s] for the forkserver to answer, which may have to import all first
 
@@ -119,14 +110,6 @@ class _Copy:
                 signal.pidfd_send_signal(self._handle, number)
 
 
-def import_needed(role: str | None = None) -> None:
-    """Import what the process of a role needs, or of any, so that the copies need not."""
-    import_module("runtime.verbs.agent")
-    for modules in _NEEDED.values() if role is None else [_NEEDED.get(role, _NEEDED[_AGENTS])]:
-        for module in modules:
-            import_module(module)
-
-
 def _is_readable(handle: int) -> bool:
     poll = select.poll()
     poll.register(handle, select.POLLIN)
@@ -172,7 +155,10 @@ def _tend(role: str | None, ours: socket.socket, line: socket.socket) -> int:
     ours.close()
     _leave_the_parent(Path(os.devnull))
     setproctitle("msma forkserver")
-    import_needed(role)
+    from runtime.processes.roles import preload  # not before the process was copied
+
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # for small arrays
+    preload(role)
     gc.freeze()  # so that collecting garbage does not make the copies' memory their own
     while question := line.recv(_LONGEST):
         match json.loads(question):
@@ -190,7 +176,17 @@ def _do(task: Task, line: socket.socket) -> int:
     _leave_the_parent(task.out)
     shown = task.arguments[:3] + ["--copy"] * (task.copy is not None)
     setproctitle(" ".join(("msma", *shown)))
-    return cli.main(task.arguments)
+    return exit_code(partial(_live, task))
+
+
+def _live(task: Task) -> int:
+    from runtime.config.deployment import ProcessSpec, load
+    from runtime.processes.roles import live
+
+    deployment = load(task.file, only_role=task.role)
+    home = task.copy or deployment.host_of(task.role)
+    member = ProcessSpec(task.role, home, copy=task.copy is not None)
+    return live(deployment, member, task.file, task.run)
 
 
 def _leave_the_parent(out: Path) -> None:
