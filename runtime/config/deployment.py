@@ -140,7 +140,7 @@ class Deployment:
     def credentials(self, name: str) -> Credentials | None:
         """Return what a role, or an operator, shows the others; None where nobody asks for it.
 
-        Raises `ConfigError` if the keys for that are not there, and says how to make them.
+        Raises `ConfigError` if its files are missing, and says how to create them.
         """
         return None if self.security is None else self.security.credentials(name, self.roles)
 

@@ -1,4 +1,4 @@
-"""The security of a deployment: where its certificates and private keys are."""
+"""The security of a deployment: the folder of its certificates and private keys."""
 
 import os
 import shlex
@@ -14,7 +14,12 @@ from runtime.wire.security import Credentials
 
 @dataclass(frozen=True)
 class KeyFolder:
-    """A folder for keys, which may still have to be made, and the file that names it."""
+    """A folder for certificates and private keys, which need not exist yet.
+
+    Attributes:
+        path: The absolute path.
+        file: The deployment file that names it.
+    """
 
     path: Path
     file: str = field(compare=False)
@@ -34,33 +39,41 @@ class KeyFolder:
 
 @dataclass(frozen=True, kw_only=True)
 class SecuritySpec:
-    """Who may join: only who has a certificate, and to do what his name in it allows.
+    """Who may join: only processes with a certificate, each with the rights of its name.
 
     Attributes:
-        keys: The folder of the certificates and private keys, which `msma keys` makes.
+        keys: Folder of the certificates and private keys, which `msma keys` creates.
     """
 
     keys: KeyFolder
 
     def credentials(self, name: str, roles: Sequence[str]) -> Credentials:
-        """Return what a process of that name needs, or say by `ConfigError` how to get it."""
+        """Return the credentials of a process.
+
+        Args:
+            name: Its role, or `OPERATOR`.
+            roles: All roles of the deployment.
+
+        Raises:
+            ConfigError: A file is missing or cannot be read; the message says how to create it.
+        """
         credentials = Credentials(self.keys.path, name, tuple(roles))
         if not credentials.authority.exists():
-            raise self._error(f"there are no keys in {self.keys}", "")
+            raise self._error(f"there are no certificates in {self.keys}", "")
         for file in (credentials.certificate, credentials.private_key):
             if not file.exists():
                 raise self._error(f"there is no {file}", " --overwrite")
             if not os.access(file, os.R_OK):
-                raise ConfigError(f"{self.keys.file}: security.keys: {file} may not be read")
+                raise ConfigError(f"{self.keys.file}: security.keys: {file} cannot be read")
         return credentials
 
-    def remedy(self, how: str = "") -> str:
-        """Return the command that makes keys."""
+    def remedy(self, option: str = "") -> str:
+        """Return the command that creates the files."""
         folder = os.path.relpath(self.keys.path)
         folder = str(self.keys) if folder.startswith("..") else folder
-        return f"msma keys{how} {shlex.quote(folder)} {shlex.quote(self.keys.file)}"
+        return f"msma keys{option} {shlex.quote(folder)} {shlex.quote(self.keys.file)}"
 
     def _error(self, what: str, how: str) -> ConfigError:
         return ConfigError(
-            f"{self.keys.file}: security.keys: {what}; make them: {self.remedy(how)}"
+            f"{self.keys.file}: security.keys: {what}; create them: {self.remedy(how)}"
         )

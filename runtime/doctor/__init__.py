@@ -1,1 +1,1 @@
-"""Checks of a machine, its keys and its network before anything is started."""
+"""Checks of a machine, its certificates and its network, before anything is started."""

@@ -1,4 +1,4 @@
-"""What can be wrong with a machine before anything is started on it."""
+"""Checks of the machine: Python, libraries, limits, loopback device, load and run folder."""
 
 import os
 import resource
@@ -17,12 +17,12 @@ from runtime.wire.mesh import LOOPBACK
 
 _LIBRARIES = {"eclipse-zenoh": (1, 10), "msgpack": (1,), "numpy": (1, 26), "pyyaml": (6,)}
 _PLOTS = "matplotlib"
-_FILES = 256  # descriptors: a process has sockets to all others
-_SLOW = 0.005  # [s] for there and back on the loopback device
+_FILES = 256  # file descriptors: each process has a socket to every other
+_SLOW = 0.005  # [s] round trip on the loopback device: warn
 
 
 class Grade(Enum):
-    """How bad it is."""
+    """How severe a finding is."""
 
     OK = "ok"
     WARN = "warn"
@@ -30,15 +30,21 @@ class Grade(Enum):
 
 
 class Finding(NamedTuple):
-    """One thing that was looked at; the detail says what to do if it is not well."""
+    """The result of one check.
+
+    Attributes:
+        grade: How severe it is.
+        what: What was checked.
+        detail: What was found, and how to correct it if it is not OK.
+    """
 
     grade: Grade
     what: str
     detail: str
 
 
-def machine(runs: Path) -> Iterator[Finding]:
-    """Look at this machine; `runs` is the folder in which runs are recorded."""
+def check_machine(runs: Path) -> Iterator[Finding]:
+    """Check this machine; `runs` is the folder in which runs are recorded."""
     yield _python()
     for name, least in _LIBRARIES.items():
         yield _library(name, least)
@@ -71,18 +77,24 @@ def _plots() -> Finding:
     try:
         return Finding(Grade.OK, _PLOTS, version(_PLOTS))
     except PackageNotFoundError:
-        return Finding(Grade.WARN, _PLOTS, "no pictures of runs; `pip install 'msma[plots]'`")
+        return Finding(
+            Grade.WARN,
+            _PLOTS,
+            "not installed, so runs are not plotted; `pip install 'msma[plots]'`",
+        )
 
 
 def _files() -> Finding:
     soft, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
     if 0 <= soft < _FILES:
-        return Finding(Grade.BAD, "open files", f"{soft} a process; `ulimit -n 1024` allows more")
-    return Finding(Grade.OK, "open files", "no limit" if soft < 0 else f"{soft} a process")
+        return Finding(
+            Grade.BAD, "open files", f"{soft} per process; `ulimit -n 1024` raises the limit"
+        )
+    return Finding(Grade.OK, "open files", "no limit" if soft < 0 else f"{soft} per process")
 
 
 def _loopback() -> Finding:
-    """Send something there and back, as all messages go."""
+    """Measure a round trip over TCP, as used by all messages."""
     try:
         with socket.create_server((LOOPBACK, 0)) as server:
             address = server.getsockname()
@@ -99,32 +111,32 @@ def _loopback() -> Finding:
             Grade.BAD, "loopback", f"{LOOPBACK} does not work: {error}; `ip link set lo up`"
         )
     grade = Grade.WARN if took > _SLOW else Grade.OK
-    return Finding(grade, "loopback", f"there and back in {1e3 * took:.2f} ms")
+    return Finding(grade, "loopback", f"round trip {1e3 * took:.2f} ms")
 
 
 def _load() -> Finding:
     cores, load = os.cpu_count() or 1, os.getloadavg()[0]
     what = f"{cores} cores, load {load:.1f}"
     if load > cores:
-        return Finding(Grade.WARN, "processors", f"{what}: busy; loops of 1 kHz may be late")
+        return Finding(Grade.WARN, "processors", f"{what}: busy; loops at 1 kHz may miss deadlines")
     if cores < 2:
-        return Finding(Grade.WARN, "processors", f"{what}: loops of 1 kHz need two")
+        return Finding(Grade.WARN, "processors", f"{what}: loops at 1 kHz need two")
     return Finding(Grade.OK, "processors", what)
 
 
 def _scheduling() -> Finding:
-    with ThreadPoolExecutor(1) as threads:  # what is granted is for one thread
+    with ThreadPoolExecutor(1) as threads:  # it applies to the calling thread
         granted = threads.submit(set_realtime).result()
     if granted:
-        return Finding(Grade.OK, "scheduling", "a robot's processes go before other programs")
-    detail = "as any program; a line `USER - rtprio 1` in /etc/security/limits.conf lets a robot"
-    return Finding(Grade.OK, "scheduling", f"{detail} go before others")
+        return Finding(Grade.OK, "scheduling", "a robot's processes get real-time priority")
+    detail = "normal; for real-time priority add `USER - rtprio 1` to /etc/security/limits.conf"
+    return Finding(Grade.OK, "scheduling", detail)
 
 
 def _folder(runs: Path) -> Finding:
-    """See whether a folder can be made there, without leaving one."""
+    """Check that the run folder can be created, without creating it."""
     there = next(folder for folder in (runs, *runs.parents) if folder.exists())
     if not there.is_dir() or not os.access(there, os.W_OK | os.X_OK):
-        detail = f"{runs} cannot be written; `--set runs=FOLDER` takes another"
+        detail = f"{runs} cannot be written; choose another: `--set runs=FOLDER`"
         return Finding(Grade.BAD, "run folder", detail)
     return Finding(Grade.OK, "run folder", f"{runs} can be written")

@@ -1,4 +1,4 @@
-"""What can be wrong with a robot's place: its hosts, its ports, and who else is there."""
+"""Checks of the network: a robot's hosts and ports, and other robots on this machine."""
 
 import socket
 import time
@@ -17,20 +17,26 @@ from runtime.wire.fields import MessageError
 from runtime.wire.mesh import SLOTS, Address
 from runtime.wire.messages import Diag, unpack
 
-_ANSWER = 1.0  # [s] for a host or a process
-_CLOCKS = 0.1  # [s] by which clocks may differ before logs are hard to read side by side
+_TIMEOUT = 1.0  # [s] for an answer from a host or a process
+_CLOCKS = 0.1  # [s] by which clocks may differ: logs are compared by them
 
 
-class Told(NamedTuple):
-    """What a process says, and by how much its host's clock is ahead [s], give or take."""
+class Health(NamedTuple):
+    """The diagnostics of a process, and how its host's clock compares with this one.
+
+    Attributes:
+        diag: The diagnostics.
+        clock_offset: How far the clock of its host is ahead of this one [s].
+        uncertainty: Largest error of that offset [s].
+    """
 
     diag: Diag
-    ahead: float
-    give: float
+    clock_offset: float
+    uncertainty: float
 
 
-def hosts(deployment: Deployment) -> Iterator[Finding]:
-    """Look at the hosts of a deployment: can they be reached by their addresses."""
+def check_hosts(deployment: Deployment) -> Iterator[Finding]:
+    """Check that the hosts of a deployment can be reached at their addresses."""
     if len(deployment.hosts) < 2:
         return
     for name, spec in deployment.hosts.items():
@@ -39,43 +45,48 @@ def hosts(deployment: Deployment) -> Iterator[Finding]:
     addresses = [spec.address for spec in deployment.hosts.values()]
     local = [address for address in addresses if _is_loopback(address)]
     if local and len(local) < len(addresses):
-        what = f"{', '.join(local)} is this machine only, seen from each: no other can dial it"
-        yield Finding(Grade.BAD, "hosts", f"{what}; put its address on the network")
+        what = f"{', '.join(local)} is a loopback address, which other hosts cannot reach"
+        yield Finding(Grade.BAD, "hosts", f"{what}; give the host's address on the network")
 
 
-def place(target: Target, roles: int) -> Iterator[Finding]:
-    """Look at a robot's place: who has its ports, and does anything run there."""
+def check_robot(target: Target, roles: int) -> Iterator[Finding]:
+    """Check whether a robot runs already, and if not, whether its ports are free.
+
+    Args:
+        target: The robot.
+        roles: How many ports it needs.
+    """
     here = set(robots_here())
     others = sorted(here - {target.robot})
-    yield Finding(Grade.OK, "other robots", ", ".join(others) or "none run here")
-    told: list[Told] = []
+    yield Finding(Grade.OK, "other robots", ", ".join(others) or "none on this machine")
+    found: list[Health] = []
     with Bus(target.robot, "a tool", target.mesh.visitor(), 0, target.credentials) as bus:
-        for answer, told_by in _ask_all(bus):
-            if told_by is None:
-                what = f"{answer} speaks another version of MSMA than this, which is {VERSION}"
+        for topic, health in _ask_all(bus):
+            if health is None:
+                what = f"{topic} is from another version of MSMA; this one is {VERSION}"
                 yield Finding(Grade.BAD, "versions", what)
             else:
-                told.append(told_by)
-    if told:
-        yield from running(target.robot, told)
+                found.append(health)
+    if found:
+        yield from check_running(target.robot, found)
         return
     if target.robot in here:
-        what = "another robot of this name runs here, on other ports or hosts than this file's"
-        yield Finding(Grade.BAD, target.robot, f"{what}; name one of them otherwise: --robot NAME")
+        what = "another robot of this name runs on this machine, with other ports or hosts"
+        yield Finding(Grade.BAD, target.robot, f"{what}; rename one of them: --robot NAME")
     yield from _ports(target, roles)
 
 
 def _reach(address: str, port: int) -> tuple[Grade, str]:
     try:
-        with socket.create_connection((address, port), timeout=_ANSWER):
+        with socket.create_connection((address, port), timeout=_TIMEOUT):
             return Grade.OK, "can be reached"
     except ConnectionRefusedError:
         return Grade.OK, "can be reached"
     except socket.gaierror as error:
-        return Grade.BAD, f"is no name that this machine knows: {error.strerror}"
+        return Grade.BAD, f"is an unknown host name: {error.strerror}"
     except OSError as error:
-        why = "it does not answer" if isinstance(error, TimeoutError) else error.strerror
-        return Grade.BAD, f"cannot be reached: {why}; is it on, its cable in, its address right?"
+        why = "no answer" if isinstance(error, TimeoutError) else error.strerror
+        return Grade.BAD, f"cannot be reached: {why}; check its power, cable and address"
 
 
 def _is_loopback(address: str) -> bool:
@@ -84,10 +95,10 @@ def _is_loopback(address: str) -> bool:
     return False
 
 
-def _ask_all(bus: Bus) -> Iterator[tuple[str, Told | None]]:
-    """Yield the key of each answer, and what it says; None if that is not understood."""
+def _ask_all(bus: Bus) -> Iterator[tuple[str, Health | None]]:
+    """Yield topic and content of each process's diagnostics; None if they are malformed."""
     asked = time.time()
-    answers = bus.ask(topics.EVERY_DIAG, timeout=_ANSWER)
+    answers = bus.ask(topics.EVERY_DIAG, timeout=_TIMEOUT)
     answered = time.time()
     for answer in answers:
         try:
@@ -95,56 +106,56 @@ def _ask_all(bus: Bus) -> Iterator[tuple[str, Told | None]]:
         except MessageError:
             yield answer.key, None
         else:
-            give = (answered - asked) / 2
-            yield answer.key, Told(diag, diag.clock / 1e6 - asked - give, give)
+            half = (answered - asked) / 2
+            yield answer.key, Health(diag, diag.clock / 1e6 - asked - half, half)
 
 
-def running(robot: str, told: list[Told]) -> Iterator[Finding]:
-    """Look at a robot that runs."""
-    there = ", ".join(sorted({one.diag.role for one in told}))
-    yield Finding(Grade.WARN, robot, f"runs already: {there}; `msma stop` ends it")
-    plants = [one.diag for one in told if one.diag.role == topics.PLANT]
+def check_running(robot: str, found: list[Health]) -> Iterator[Finding]:
+    """Check a robot that runs: its plant, versions and clocks."""
+    roles = ", ".join(sorted({one.diag.role for one in found}))
+    yield Finding(Grade.WARN, robot, f"runs already: {roles}; stop it with `msma stop`")
+    plants = [one.diag for one in found if one.diag.role == topics.PLANT]
     if not plants:
-        detail = "none there: the others end by themselves; `msma revive plant` starts one"
+        detail = "is missing, so the other processes will end; start it with `msma revive plant`"
         yield Finding(Grade.BAD, "plant", detail)
     elif len(plants) > 1:
         where = ", ".join(f"process {diag.pid} on {diag.host}" for diag in plants)
-        what = f"{len(plants)} plants answer: {where}; name one of these robots otherwise"
+        what = f"{len(plants)} plants answer: {where}; rename one of these robots"
         yield Finding(Grade.BAD, robot, what)
-    yield from _versions(one.diag for one in told)
-    for host in sorted({one.diag.host for one in told}):
-        best = min((one for one in told if one.diag.host == host), key=lambda one: one.give)
-        if abs(best.ahead) > _CLOCKS + best.give:
-            way = "ahead" if best.ahead > 0 else "behind"
-            what = f"that of {host} is {abs(best.ahead):.2f} s {way}; nothing but logs goes by it"
+    yield from _versions(one.diag for one in found)
+    for host in sorted({one.diag.host for one in found}):
+        best = min((one for one in found if one.diag.host == host), key=lambda one: one.uncertainty)
+        if abs(best.clock_offset) > _CLOCKS + best.uncertainty:
+            way = "ahead" if best.clock_offset > 0 else "behind"
+            what = f"{host} is {abs(best.clock_offset):.2f} s {way}; this affects only logs"
             yield Finding(Grade.WARN, "clocks", what)
 
 
 def _versions(diags: Iterable[Diag]) -> Iterator[Finding]:
     others = sorted({(diag.version, diag.host) for diag in diags if diag.version != VERSION})
     for version, host in others:
-        what = f"{host} has {version}, this machine {VERSION}; install the same on both"
+        what = f"{host} has {version}, this machine {VERSION}; install the same version on both"
         yield Finding(Grade.BAD, "versions", what)
 
 
 def _ports(target: Target, roles: int) -> Iterator[Finding]:
-    """Look at the ports of a robot that does not run, on the hosts that this machine is."""
+    """Check the ports of a robot that does not run, at its addresses on this machine."""
     base = target.mesh.base
     ports = f"{base} to {base + SLOTS - 1}"
-    ours = [address for address in target.mesh.addresses if not is_taken(0, address)]
+    here = [address for address in target.mesh.addresses if not is_taken(0, address)]
     taken = [
         Address(address, port)
-        for address in ours
+        for address in here
         for port in range(base, base + SLOTS)
         if is_taken(port, address)
     ]
-    if not ours:
+    if not here:
         where = ", ".join(target.mesh.addresses)
-        yield Finding(Grade.WARN, "ports", f"this machine is no host of it: {where}")
+        yield Finding(Grade.WARN, "ports", f"this machine is not one of its hosts: {where}")
     elif not taken:
         yield Finding(Grade.OK, "ports", f"{ports} are free")
     else:
         wanted = any(port < base + roles for _, port in taken)
         numbers = ", ".join(str(port) for _, port in taken)
-        detail = f"{numbers} of {ports} taken by others; set `port` in the file"
+        detail = f"{numbers} of {ports} are in use by other programs; set `port` in the file"
         yield Finding(Grade.BAD if wanted else Grade.WARN, "ports", detail)

@@ -1,1 +1,1 @@
-"""A rehearsal: the hosts of a deployment on one machine, on a network that can be broken."""
+"""A rehearsal: virtual hosts on one machine, on a network that chaos can impair."""

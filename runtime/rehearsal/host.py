@@ -1,4 +1,4 @@
-"""A host of a rehearsal: the first process of its namespaces, with whose end all others end."""
+"""A virtual host: the first process of its namespaces; all others end with it."""
 
 import os
 import signal
@@ -7,20 +7,20 @@ import sys
 
 from setproctitle import setproctitle
 
-from runtime.rehearsal.tap import open_cable
+from runtime.rehearsal.tap import open_tap
 from runtime.spawning.host_server import serve
 
 
 def main() -> int:
-    """Plug in the cable, give its other end away, and do a share: `host NAME ADDRESS SOCKET`."""
+    """Open the TAP device, pass it on, and serve the launcher: `host NAME ADDRESS SOCKET`."""
     name, address, number = sys.argv[1:]
     setproctitle(f"msma share {name}, a rehearsal's host")
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the launcher
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the launcher handles Ctrl-C
     socket.sethostname(name)
-    with socket.socket(fileno=int(number)) as giver:
-        cable = open_cable(address)
-        socket.send_fds(giver, [b"cable"], [cable])
-        os.close(cable)
+    with socket.socket(fileno=int(number)) as sender:
+        tap = open_tap(address)
+        socket.send_fds(sender, [b"tap"], [tap])
+        os.close(tap)
     return serve(stays=False)
 
 

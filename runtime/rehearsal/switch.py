@@ -1,6 +1,6 @@
-"""The network of a rehearsal: a process that carries Ethernet frames between cables.
+"""The network of a rehearsal: a process that switches Ethernet frames between TAP devices.
 
-It ends with the launcher that started it, whose end of `control` closes then.
+It ends with its launcher, when the other end of the control socket closes.
 """
 
 import heapq
@@ -14,36 +14,39 @@ import sys
 import time
 from contextlib import suppress
 from itertools import count
+from typing import Any
 
 from setproctitle import setproctitle
 
-from runtime.rehearsal.links import Links, trouble_of
+from runtime.rehearsal.links import Impairment, Links
 
-_LARGEST = 65536  # [bytes] of a frame
-_AT_ONCE = 64  # frames from a cable before the others have their turn
-_WAITING = 20_000  # frames on the way, at most: more are lost as in any switch
+_MAX_FRAME = 65536  # [bytes] of a frame
+_BATCH = 64  # frames read from one device before the next device
+_MAX_WAITING = 20_000  # frames in transit; further ones are dropped, as in any switch
 
 
 class Switch:
-    """Sends each frame to the host that has its address, or to all others if that is not known.
+    """Forwards each frame to the host with its address, or to all if the address is unknown.
 
-    cables: the file of each host's cable
+    Args:
+        taps: The file descriptor of each host's TAP device.
+        links: Decides when a frame arrives.
     """
 
-    def __init__(self, cables: dict[str, int], links: Links) -> None:
-        self._cables, self._links = cables, links
+    def __init__(self, taps: dict[str, int], links: Links) -> None:
+        self._taps, self._links = taps, links
         self._owners: dict[bytes, str] = {}  # of each Ethernet address
         self._waiting: list[tuple[float, int, str, bytes]] = []
         self._number = count()
 
-    def take(self, host: str) -> bool:
-        """Take what a host has sent; tell whether its cable is still there."""
-        for _ in range(_AT_ONCE):
+    def receive(self, host: str) -> bool:
+        """Forward what a host has sent; return whether its device still exists."""
+        for _ in range(_BATCH):
             try:
-                frame = os.read(self._cables[host], _LARGEST)
+                frame = os.read(self._taps[host], _MAX_FRAME)
             except BlockingIOError:
                 return True
-            except OSError:  # its namespace has gone
+            except OSError:  # its namespace has ended
                 return False
             self._forward(host, frame)
         return True
@@ -53,53 +56,54 @@ class Switch:
         self._owners[source] = sender
         known = self._owners.get(to)
         now = time.monotonic()
-        for receiver in self._cables if known is None else (known,):
+        for receiver in self._taps if known is None else (known,):
             due = None if receiver == sender else self._links.due(sender, receiver, now)
-            if due is not None and len(self._waiting) < _WAITING:
+            if due is not None and len(self._waiting) < _MAX_WAITING:
                 heapq.heappush(self._waiting, (due, next(self._number), receiver, frame))
 
     def deliver(self) -> float | None:
-        """Deliver what is due; return in how many seconds the next is, None if nothing waits."""
+        """Deliver what is due; return the time [s] until the next delivery, None if none waits."""
         while self._waiting:
             wait = self._waiting[0][0] - time.monotonic()
             if wait > 0:
                 return wait
             _, _, receiver, frame = heapq.heappop(self._waiting)
-            with suppress(OSError):  # its cable is gone, or full
-                os.write(self._cables[receiver], frame)
+            with suppress(OSError):  # its device is gone, or its queue is full
+                os.write(self._taps[receiver], frame)
         return None
 
 
 def main() -> None:
-    """Carry frames until the control socket closes: `switch CONTROL SEED NAME=FILE...`."""
-    setproctitle("msma switch of a rehearsal")
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the launcher
+    """Switch frames until the control socket closes: `switch CONTROL SEED NAME=FILE...`."""
+    setproctitle("msma rehearsal switch")
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the launcher handles Ctrl-C
     number, seed, *pairs = sys.argv[1:]
-    cables = {name: int(file) for name, _, file in (pair.rpartition("=") for pair in pairs)}
+    taps = {name: int(file) for name, _, file in (pair.rpartition("=") for pair in pairs)}
     links = Links(random.Random(int(seed)))
-    switch = Switch(cables, links)
+    switch = Switch(taps, links)
     with socket.socket(fileno=int(number)) as control, selectors.DefaultSelector() as ready:
         ready.register(control, selectors.EVENT_READ, None)
-        for host, file in cables.items():
+        for host, file in taps.items():
             ready.register(file, selectors.EVENT_READ, host)
         while True:
             for key, _ in ready.select(switch.deliver()):
                 if key.data is None:
-                    order = control.recv(_LARGEST)
-                    if not order:
+                    request = control.recv(_MAX_FRAME)
+                    if not request:
                         return
-                    _obey(links, json.loads(order))
+                    _handle(links, json.loads(request))
                     control.send(b"done")
-                elif not switch.take(key.data):
+                elif not switch.receive(key.data):
                     ready.unregister(key.fileobj)
 
 
-def _obey(links: Links, order: dict[str, object]) -> None:
-    if trouble := order.get("trouble"):
-        assert isinstance(trouble, dict)
-        links.begin(str(order["name"]), trouble_of(trouble, trouble["hosts"]))
+def _handle(links: Links, request: dict[str, Any]) -> None:
+    """Begin or end an impairment, as `VirtualNetwork` requests."""
+    if impairment := request.get("impairment"):
+        hosts = frozenset(impairment.pop("hosts"))
+        links.begin(request["name"], Impairment(hosts=hosts, **impairment))
     else:
-        links.end(str(order["name"]))
+        links.end(request["name"])
 
 
 if __name__ == "__main__":

@@ -24,7 +24,7 @@ from plant.errors import MsmaError
 from runtime.config.deployment import ProcessSpec, load
 from runtime.spawning.escalation import FORCE, Escalation, end_all
 from runtime.spawning.local import LocalProcesses, ProcessExit
-from runtime.tls.key_files import KEYS, write
+from runtime.tls.key_files import KEYS, write_files
 
 _TURN = 0.02  # [s] between two looks at the processes
 _CHUNK = 48 * 1024  # [bytes] of a file that go in one line
@@ -133,7 +133,7 @@ class _HostServer:
 
     def _take_keys(self, keys: Mapping[str, str]) -> None:
         if keys:
-            write(self._run / KEYS, keys)
+            write_files(self._run / KEYS, keys)
 
     def _revive(self, role: str, home: str, copy: bool, keys: Mapping[str, str]) -> None:
         assert self.processes is not None

@@ -18,7 +18,7 @@ from runtime.config.deployment import ProcessSpec, load
 from runtime.errors import RunError
 from runtime.spawning.local import ProcessExit
 from runtime.spawning.tasks import LOST
-from runtime.tls.key_files import moved, of_roles
+from runtime.tls.key_files import read_files, with_local_files
 from runtime.wire.topics import PLANT
 
 _FIRST_ANSWER = 20.0  # [s] for a host to answer at first
@@ -186,12 +186,12 @@ class RemoteProcesses:
         deployment = load(self._run / "deployment.yaml", only_role=PLANT)
         roles = [one.role for one in deployment.processes if one.host == host]
         text = (self._run / "deployment.yaml").read_text(encoding="utf-8")
-        keys = of_roles(deployment, roles)
-        return {"deployment": moved(text) if keys else text, "keys": keys}
+        keys = read_files(deployment, roles)
+        return {"deployment": with_local_files(text) if keys else text, "keys": keys}
 
     def _keys(self, role: str) -> dict[str, str]:
         """Return the keys of a role, for a host that may not have them."""
-        return of_roles(load(self._run / "deployment.yaml", only_role=PLANT), [role])
+        return read_files(load(self._run / "deployment.yaml", only_role=PLANT), [role])
 
     def revive(self, role: str, home: str) -> int:
         """Start one more process for a role, and return its id on its host; see `ProcessGroup`.

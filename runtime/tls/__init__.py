@@ -1,1 +1,1 @@
-"""Certificates and private keys: making, moving and verifying them."""
+"""Certificates and private keys: how they are created, copied to other hosts and verified."""

@@ -1,4 +1,4 @@
-"""Making certificates: an authority, and a key pair for each name, in a folder."""
+"""Creation of certificates: an authority, and a key pair for each name, in a folder."""
 
 import ipaddress
 from collections.abc import Iterable, Sequence
@@ -12,23 +12,25 @@ from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
 from runtime.errors import RunError
-from runtime.tls.key_files import write
+from runtime.tls.key_files import write_files
 from runtime.wire.security import Credentials
 
-_SLACK = timedelta(days=1)  # by which the clocks of hosts may differ, or be late
+_SLACK = timedelta(days=1)  # tolerance for clocks that are late
 
 
-class Pair(NamedTuple):
-    """A certificate and its private key, both as PEM."""
+class KeyPair(NamedTuple):
+    """A certificate and its private key, both as PEM text."""
 
     certificate: str
     private_key: str
 
 
 class Authority:
-    """Signs certificates, as long as this object lives: its private key is written nowhere.
+    """Signs certificates; its own private key exists only in this object.
 
-    days: for which it is good, and what it signs
+    Args:
+        robot: Name of the robot.
+        days: How long the authority and its certificates are valid [days].
     """
 
     def __init__(self, robot: str, days: float) -> None:
@@ -47,11 +49,14 @@ class Authority:
         addresses: Iterable[str],
         begin: datetime | None = None,
         end: datetime | None = None,
-    ) -> Pair:
-        """Return a new key pair of a name, for a process that is reached at these addresses.
+    ) -> KeyPair:
+        """Create a key pair.
 
-        It is good from a day ago, for clocks differ, until the authority's own end, unless other
-        times are given.
+        Args:
+            name: The name in the certificate.
+            addresses: The addresses at which the process can be reached.
+            begin: Start of validity; by default a day ago, since clocks differ.
+            end: End of validity; by default that of the authority.
         """
         key = ec.generate_private_key(ec.SECP256R1())
         both = [ExtendedKeyUsageOID.SERVER_AUTH, ExtendedKeyUsageOID.CLIENT_AUTH]
@@ -71,12 +76,12 @@ class Authority:
             serialization.PrivateFormat.PKCS8,
             serialization.NoEncryption(),
         )
-        return Pair(_pem(builder.sign(self._key, hashes.SHA256())), private.decode())
+        return KeyPair(_pem(builder.sign(self._key, hashes.SHA256())), private.decode())
 
     def _builder(
         self, name: x509.Name, key: ec.EllipticCurvePrivateKey, begin: datetime, end: datetime
     ) -> x509.CertificateBuilder:
-        """Return the start of a certificate."""
+        """Return what all certificates have in common."""
         public = key.public_key()
         identifier = x509.SubjectKeyIdentifier.from_public_key(public)
         builder = x509.CertificateBuilder(self._name, name, public, x509.random_serial_number())
@@ -117,10 +122,18 @@ def _pem(certificate: x509.Certificate) -> str:
 def write_keys(
     folder: Path, authority: Authority, names: Iterable[str], addresses: Sequence[str]
 ) -> None:
-    """Make a key pair for each name and write them to a folder, with the authority's certificate.
+    """Create a key pair for each name, and write them and the authority's certificate.
 
-    Only their owner can read the folder, if it is made, and the private keys. Raises `RunError`
-    if they cannot be written.
+    Only the owner can read the private keys, and the folder if it is new.
+
+    Args:
+        folder: The folder to write to.
+        authority: Signs the certificates.
+        names: The names, of roles and of operators.
+        addresses: The addresses at which processes can be reached.
+
+    Raises:
+        RunError: The files cannot be written.
     """
     files = {Credentials(folder, "", ()).authority.name: authority.certificate}
     for name in names:
@@ -128,6 +141,6 @@ def write_keys(
         files[where.certificate.name] = pair.certificate
         files[where.private_key.name] = pair.private_key
     try:
-        write(folder, files)
+        write_files(folder, files)
     except OSError as error:
-        raise RunError(f"the keys cannot be written: {error}") from None
+        raise RunError(f"the certificates cannot be written: {error}") from None

@@ -1,4 +1,4 @@
-"""Keys on their way to the disk of this host, or of another one of the run."""
+"""Certificate and key files, written here or copied to another host of a run."""
 
 import os
 from collections.abc import Iterable, Mapping
@@ -9,14 +9,20 @@ import yaml
 from runtime.config.deployment import Deployment
 
 KEYS = "keys"
-"""The folder, in that of a run, for keys that came from another host."""
+"""Name of the folder in a run's folder for files that came from another host."""
 
 
-def write(folder: Path, files: Mapping[str, str]) -> None:
-    """Write keys, which are PEM, to a folder, in place of old ones.
+def write_files(folder: Path, files: Mapping[str, str]) -> None:
+    """Write certificates and private keys to a folder, replacing old ones.
 
-    Only their owner can read private keys at any time, and the folder, if it is made. Raises
-    `OSError` if they cannot be written.
+    Only the owner can ever read the private keys, and the folder if it is new.
+
+    Args:
+        folder: The folder to write to.
+        files: The content of each file, PEM text by file name.
+
+    Raises:
+        OSError: A file cannot be written.
     """
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     for name, data in files.items():
@@ -28,8 +34,8 @@ def write(folder: Path, files: Mapping[str, str]) -> None:
             stream.write(data)
 
 
-def of_roles(deployment: Deployment, roles: Iterable[str]) -> dict[str, str]:
-    """Return the files with the keys of some roles, as text; none if nobody asks for keys."""
+def read_files(deployment: Deployment, roles: Iterable[str]) -> dict[str, str]:
+    """Return the certificate and key files of roles by name; none without `security`."""
     files: dict[str, str] = {}
     for role in dict.fromkeys(roles):
         credentials = deployment.credentials(role)
@@ -38,9 +44,9 @@ def of_roles(deployment: Deployment, roles: Iterable[str]) -> dict[str, str]:
     return files
 
 
-def moved(text: str) -> str:
-    """Return a deployment's text that looks for its keys beside itself, where `write` put them."""
+def with_local_files(text: str) -> str:
+    """Return a deployment's YAML that finds its certificates in the folder `KEYS` beside it."""
     plain = yaml.safe_load(text)
     plain["security"]["keys"] = KEYS
-    moved: str = yaml.safe_dump(plain, sort_keys=False, default_flow_style=None, width=100)
-    return moved
+    local: str = yaml.safe_dump(plain, sort_keys=False, default_flow_style=None, width=100)
+    return local

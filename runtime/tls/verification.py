@@ -1,4 +1,4 @@
-"""Whether keys do what they are for: each pair is tried on itself, in memory, as on a link."""
+"""Verification of key pairs: each one makes a TLS handshake with itself, in memory."""
 
 import ipaddress
 import socket
@@ -12,16 +12,18 @@ from runtime.config.tree import ConfigError
 from runtime.wire.mesh import LOOPBACK
 from runtime.wire.security import OPERATOR, Credentials
 
-_WHENEVER = 0x200000  # of OpenSSL: X509_V_FLAG_NO_CHECK_TIME
-_OTHER_USE = 26  # of OpenSSL: X509_V_ERR_INVALID_PURPOSE
+_NO_CHECK_TIME = 0x200000  # X509_V_FLAG_NO_CHECK_TIME of OpenSSL
+_INVALID_PURPOSE = 26  # X509_V_ERR_INVALID_PURPOSE of OpenSSL
 
 
 class Certificate(NamedTuple):
-    """What a certificate says.
+    """The content of a certificate.
 
-    name: of whom
-    addresses: where its owner may be reached
-    begin, end: when it is good [s since 1970]
+    Attributes:
+        name: The name of its owner.
+        addresses: The addresses at which its owner can be reached.
+        begin: Start of validity [s since 1970].
+        end: End of validity [s since 1970].
     """
 
     name: str
@@ -31,9 +33,10 @@ class Certificate(NamedTuple):
 
 
 def read(credentials: Credentials) -> Certificate:
-    """Return what a certificate says that is signed by the authority and fits its private key.
+    """Read a certificate, and check its signature and private key, but not its validity period.
 
-    Raises `ConfigError` if it is not, or does not. It is not looked at the clock.
+    Raises:
+        ConfigError: It is not signed by the authority, or does not match its private key.
     """
     server = _context(ssl.PROTOCOL_TLS_SERVER, credentials)
     client = _context(ssl.PROTOCOL_TLS_CLIENT, credentials)
@@ -44,33 +47,35 @@ def read(credentials: Credentials) -> Certificate:
     )
     certificate = credentials.certificate
     try:
-        for end in (*ends, *ends):  # there are two flights each way
+        for end in (*ends, *ends):  # each side sends twice
             with suppress(ssl.SSLWantReadError):
                 end.do_handshake()
     except ssl.SSLCertVerificationError as error:
-        if error.verify_code == _OTHER_USE:
-            raise ConfigError(f"{certificate} is not for both ends of a link") from None
+        if error.verify_code == _INVALID_PURPOSE:
+            raise ConfigError(f"{certificate} is not valid for both ends of a link") from None
         what = f"{certificate} is not signed by {credentials.authority}"
         raise ConfigError(f"{what}: {error.verify_message}") from None
     except ssl.SSLError as error:
-        raise ConfigError(f"{certificate} does not work: {error.reason}") from None
-    return _said(ends[0].getpeercert() or {})
+        raise ConfigError(f"{certificate} cannot be used: {error.reason}") from None
+    return _content(ends[0].getpeercert() or {})
 
 
 def _context(protocol: int, credentials: Credentials) -> ssl.SSLContext:
     context = ssl.SSLContext(protocol)
     context.check_hostname = False
     context.verify_mode = ssl.CERT_REQUIRED
-    context.verify_flags |= _WHENEVER
+    context.verify_flags |= _NO_CHECK_TIME
     try:
         context.load_verify_locations(credentials.authority)
     except (ssl.SSLError, OSError) as error:
-        raise ConfigError(f"{credentials.authority} is no certificate: {_reason(error)}") from None
+        raise ConfigError(
+            f"{credentials.authority} is not a certificate: {_reason(error)}"
+        ) from None
     try:
         context.load_cert_chain(credentials.certificate, credentials.private_key, password="")
     except (ssl.SSLError, OSError) as error:
         both = f"{credentials.certificate} and {credentials.private_key}"
-        raise ConfigError(f"{both} are no pair of keys: {_reason(error)}") from None
+        raise ConfigError(f"{both} are not a key pair: {_reason(error)}") from None
     return context
 
 
@@ -78,7 +83,7 @@ def _reason(error: OSError) -> str:
     return (error.reason if isinstance(error, ssl.SSLError) else error.strerror) or str(error)
 
 
-def _said(certificate: "ssl._PeerCertRetDictType") -> Certificate:
+def _content(certificate: "ssl._PeerCertRetDictType") -> Certificate:
     names = [
         str(pair[1])
         for part in certificate.get("subject", ())
@@ -94,7 +99,7 @@ def _said(certificate: "ssl._PeerCertRetDictType") -> Certificate:
 
 
 def _plain(address: str) -> str:
-    """Return an address as people write it: OpenSSL writes out all zeros of those of IPv6."""
+    """Return an address in its short form: OpenSSL writes out all zeros of IPv6 addresses."""
     try:
         return str(ipaddress.ip_address(address))
     except ValueError:
@@ -102,35 +107,49 @@ def _plain(address: str) -> str:
 
 
 def verify(credentials: Credentials, address: str, now: float) -> Certificate:
-    """Return the certificate if with it one may be its name at `address`, `now` [s since 1970].
+    """Check that a process can use its certificate now.
 
-    Raises `ConfigError` that says in plain words why one may not.
+    Args:
+        credentials: Those of the process.
+        address: The address at which the process can be reached.
+        now: The time of day [s since 1970].
+
+    Returns:
+        The certificate.
+
+    Raises:
+        ConfigError: The certificate cannot be used; the message says why.
     """
-    said, file = read(credentials), credentials.certificate
-    if said.name != credentials.name:
-        raise ConfigError(f"{file} is that of {said.name or 'nobody'}, not of {credentials.name}")
-    if now > said.end:
-        raise ConfigError(f"{file} has expired, on {day(said.end)}")
-    if now < said.begin:
+    found, file = read(credentials), credentials.certificate
+    if found.name != credentials.name:
+        raise ConfigError(f"{file} belongs to {found.name or 'nobody'}, not to {credentials.name}")
+    if now > found.end:
+        raise ConfigError(f"{file} expired on {day(found.end)}")
+    if now < found.begin:
         raise ConfigError(
-            f"{file} is not good before {day(said.begin)}, and here it is {day(now)}: is the "
-            f"clock right?"
+            f"{file} is not valid before {day(found.begin)}, and it is {day(now)} here: "
+            f"is the clock right?"
         )
-    if _plain(address) not in said.addresses:
-        known = ", ".join(said.addresses) or "none"
+    if _plain(address) not in found.addresses:
+        known = ", ".join(found.addresses) or "none"
         raise ConfigError(f"{file} is for another address than {address}: {known}")
-    return said
+    return found
 
 
 def day(t: float) -> str:
-    """Return a time [s since 1970] for people."""
+    """Return a time [s since 1970] as local date and time."""
     return time.strftime("%Y-%m-%d %H:%M", time.localtime(t))
 
 
 def verify_all(deployment: Deployment, host: str | None = None) -> None:
-    """Raise `ConfigError` unless all processes of a host, or of all, and an operator can join.
+    """Check the certificates of all processes of a deployment, and of operators.
 
-    That they can, if the deployment asks for no certificates.
+    Args:
+        deployment: The deployment; without `security` there is nothing to check.
+        host: Check only the processes of this host.
+
+    Raises:
+        ConfigError: A certificate is missing or cannot be used.
     """
     if deployment.security is None:
         return
@@ -139,19 +158,19 @@ def verify_all(deployment: Deployment, host: str | None = None) -> None:
         try:
             verify(credentials, address, time.time())
         except ConfigError as error:
-            said = f"{deployment.security.keys.file}: security.keys: {error}"
-            raise ConfigError(f"{said}; `msma doctor --file` tells more") from None
+            what = f"{deployment.security.keys.file}: security.keys: {error}"
+            raise ConfigError(f"{what}; see `msma doctor --file`") from None
 
 
 def needed(deployment: Deployment, host: str | None = None) -> list[tuple[str, str]]:
-    """Return the names whose keys a host, or all, needs, and at which addresses they are used."""
+    """Return name and address of each key pair that a host, or all of them, needs."""
     members = [one for one in deployment.processes if host in (None, one.host)]
     there = [(one.role, deployment.hosts[one.host].address) for one in members]
     return [*dict.fromkeys(there), (OPERATOR, LOOPBACK)]
 
 
 def is_here(address: str) -> bool:
-    """Tell whether this machine has an address."""
+    """Return whether this machine has an address."""
     with suppress(OSError):
         family, kind, protocol, _, where = socket.getaddrinfo(address, 0)[0]
         with socket.socket(family, kind, protocol) as probe:

@@ -1,4 +1,4 @@
-"""Make the certificates and private keys of a deployment that asks for them."""
+"""Create the certificates and private keys of a deployment with `security`."""
 
 import argparse
 from pathlib import Path
@@ -14,38 +14,37 @@ _DAYS = 730
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the folder, the file, and for how long."""
-    parser.add_argument("folder", metavar="DIR", type=Path, help="the folder to write them to")
-    parser.add_argument("file", metavar="FILE", help="the deployment file: its roles and hosts")
+    """Add the folder, the file and the validity."""
+    parser.add_argument("folder", metavar="DIR", type=Path, help="folder to write the files to")
+    parser.add_argument("file", metavar="FILE", help="deployment file with the roles and hosts")
     parser.add_argument(
-        "--days", type=float, default=_DAYS, help=f"for how long they are good; by default {_DAYS}"
+        "--days", type=float, default=_DAYS, help=f"validity in days (default: {_DAYS})"
     )
     parser.add_argument(
         "--overwrite",
         action="store_true",
-        help="make all anew, with a new authority: the former ones are good for nothing then",
+        help="replace all files; the old certificates no longer work",
     )
 
 
 def run(args: argparse.Namespace) -> int:
-    """Make them; 2 if there are some already."""
+    """Create the files; refuse to replace old ones without `--overwrite`."""
     deployment = load(args.file, only_role=PLANT)
     if not 0 < args.days <= 36500:
-        raise ConfigError(f"--days {args.days:g}: must be positive, and 36500 at most")
-    authority = Credentials(args.folder, "", ()).authority
-    if authority.exists() and not args.overwrite:
-        raise ConfigError(f"there are keys in {args.folder} already; --overwrite makes all anew")
+        raise ConfigError(f"--days {args.days:g}: must be positive and at most 36500")
+    if Credentials(args.folder, "", ()).authority.exists() and not args.overwrite:
+        raise ConfigError(f"{args.folder} has certificates already; replace them: --overwrite")
     try:
         from runtime.tls.certificates import Authority, write_keys
     except ImportError:
         raise MsmaError("msma keys needs cryptography: pip install 'msma[keys]'") from None
     hosts = (host.address for host in deployment.hosts.values())
     addresses = tuple(dict.fromkeys((LOOPBACK, *hosts)))
-    wanted = names(deployment.roles)
-    write_keys(args.folder, Authority(deployment.robot, args.days), wanted, addresses)
-    where, count = ", ".join(addresses), len(wanted)
-    print(f"{args.folder}: {count} pairs of keys, for {where}, good for {args.days:g} days")
+    owners = names(deployment.roles)
+    write_keys(args.folder, Authority(deployment.robot, args.days), owners, addresses)
+    where = ", ".join(addresses)
+    print(f"{args.folder}: {len(owners)} key pairs, for {where}, valid for {args.days:g} days")
     security = deployment.security
     if security is None or security.keys.path != args.folder.absolute():
-        print(f"{args.file} does not use them yet; it must say: security: {{keys: FOLDER}}")
+        print(f"{args.file} does not use them yet; add to it: security: {{keys: FOLDER}}")
     return 0

@@ -45,15 +45,15 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _rehearse(deployment: Deployment) -> int:
-    from runtime.rehearsal.stage import Stage
+    from runtime.rehearsal.virtual_network import VirtualNetwork
     from runtime.spawning.remote import RemoteProcesses
 
-    with Stage(deployment) as stage:
-        deployment = stage.deployment
-        folder = prepare(deployment, stage)
-        stage.build(folder)
-        processes = RemoteProcesses(folder, stage.hosts, away=False)
-        course = Launcher(deployment, folder, _screen_of(deployment), stage, processes).go()
+    with VirtualNetwork(deployment) as network:
+        deployment = network.deployment
+        folder = prepare(deployment, network)
+        network.build(folder)
+        processes = RemoteProcesses(folder, network.hosts, away=False)
+        course = Launcher(deployment, folder, _screen_of(deployment), network, processes).go()
     return _close(deployment, folder, course, ["--rehearse"])
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from runtime.doctor.machine import machine
+from runtime.doctor.machine import check_machine
 from runtime.processes.scheduling import set_realtime
 from tests.runtime.conftest import ProcessGroup
 
@@ -41,7 +41,7 @@ def test_all_threads_of_a_robots_processes_go_first_where_that_is_granted(
 
 def test_who_only_asks_whether_it_is_granted_goes_on_as_before() -> None:
     before = os.sched_getscheduler(0)
-    assert [finding.what for finding in machine(Path())].count("scheduling") == 1
+    assert [finding.what for finding in check_machine(Path())].count("scheduling") == 1
     assert os.sched_getscheduler(0) == before
 
 

@@ -2,41 +2,41 @@ import random
 
 import pytest
 
-from runtime.rehearsal.links import Links, Trouble
+from runtime.rehearsal.links import Impairment, Links
 
 HOSTS = ("robot", "arm", "base")
 PAIRS = [(one, other) for one in HOSTS for other in HOSTS if one != other]
 
 
-def links(*troubles: Trouble) -> Links:
+def links(*impairments: Impairment) -> Links:
     links = Links(random.Random(1))
-    for index, trouble in enumerate(troubles):
-        links.begin(str(index), trouble)
+    for index, impairment in enumerate(impairments):
+        links.begin(str(index), impairment)
     return links
 
 
-def test_a_sound_network_delivers_at_once() -> None:
+def test_an_unimpaired_network_delivers_at_once() -> None:
     assert [links().due(*pair, now=3.0) for pair in PAIRS] == [3.0] * 6
 
 
 @pytest.mark.parametrize("cut", [{"arm"}, {"robot", "base"}])
-def test_hosts_that_are_cut_off_reach_each_other_and_nobody_else(cut: set[str]) -> None:
-    network = links(Trouble("partition", frozenset(cut)))
+def test_hosts_of_a_partition_reach_each_other_and_no_others(cut: set[str]) -> None:
+    network = links(Impairment("partition", frozenset(cut)))
     for sender, receiver in PAIRS:
         reached = network.due(sender, receiver, 1.0) is not None
         assert reached == ("arm" not in (sender, receiver))
 
 
-def test_what_is_mended_is_as_it_was() -> None:
-    network = links(Trouble("partition", frozenset({"arm"})))
+def test_an_impairment_can_be_ended() -> None:
+    network = links(Impairment("partition", frozenset({"arm"})))
     network.end("0")
     assert network.due("arm", "robot", 1.0) == 1.0
 
 
-def test_a_delay_goes_for_all_traffic_of_its_hosts_and_adds_up() -> None:
+def test_delays_affect_all_traffic_of_their_hosts_and_add_up() -> None:
     network = links(
-        Trouble("delay", frozenset({"arm"}), time=0.02),
-        Trouble("delay", frozenset({"arm", "base"}), time=0.1),
+        Impairment("delay", frozenset({"arm"}), time=0.02),
+        Impairment("delay", frozenset({"arm", "base"}), time=0.1),
     )
     assert network.due("arm", "robot", 1.0) == pytest.approx(1.12)
     assert network.due("arm", "base", 1.0) == pytest.approx(1.12)
@@ -44,7 +44,7 @@ def test_a_delay_goes_for_all_traffic_of_its_hosts_and_adds_up() -> None:
 
 
 def test_jitter_varies_the_delay_and_keeps_the_order() -> None:
-    network = links(Trouble("delay", frozenset({"arm"}), time=0.02, jitter=0.005))
+    network = links(Impairment("delay", frozenset({"arm"}), time=0.02, jitter=0.005))
     sent = [index * 1e-3 for index in range(1000)]
     came = [network.due("arm", "robot", now) or 0.0 for now in sent]
     assert came == sorted(came)
@@ -53,8 +53,8 @@ def test_jitter_varies_the_delay_and_keeps_the_order() -> None:
     assert 0.024 < max(late) <= 0.025
 
 
-def test_of_the_packets_a_share_is_lost() -> None:
-    network = links(Trouble("loss", frozenset({"arm"}), share=0.02))
+def test_loss_drops_a_share_of_the_packets() -> None:
+    network = links(Impairment("loss", frozenset({"arm"}), share=0.02))
     lost = sum(network.due("robot", "arm", 0.0) is None for _ in range(10_000))
     assert 150 < lost < 250
     assert all(network.due("robot", "base", 0.0) is not None for _ in range(1000))

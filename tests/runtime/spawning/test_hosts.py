@@ -10,7 +10,7 @@ from runtime import VERSION
 from runtime.config.deployment import load
 from runtime.config.overrides import Override
 from runtime.doctor.machine import Grade
-from runtime.doctor.network import Told, hosts, place, running
+from runtime.doctor.network import Health, check_hosts, check_robot, check_running
 from runtime.watching.discovery import Target
 from runtime.wire.fields import Spread
 from runtime.wire.messages import Diag
@@ -62,54 +62,59 @@ def test_processes_of_another_machine_are_not_started_here(robot: Robot) -> None
     assert robot.processes() == {}
 
 
-def diag(role: str = "plant", host: str = "here", **changes: Any) -> Told:
+def diag(role: str = "plant", host: str = "here", **changes: Any) -> Health:
     none = Spread(0.0, 0.0, 0.0)
     said = Diag(
         *(1.0, role, host, 42, "runs", 16.7, none, {}, {}, "auto", "/run", "a.yaml"),
         version=VERSION,
         clock=0,
     )
-    ahead, give = changes.pop("ahead", 0.0), changes.pop("give", 0.001)
-    return Told(said._replace(**changes), ahead, give)
+    offset, error = changes.pop("offset", 0.0), changes.pop("error", 0.001)
+    return Health(said._replace(**changes), offset, error)
 
 
 @pytest.mark.parametrize(
-    ("told", "what", "grade", "parts"),
+    ("health", "what", "grade", "parts"),
     [
-        ([diag("joint/1")], "plant", Grade.BAD, ("none there", "msma revive plant")),
+        ([diag("joint/1")], "plant", Grade.BAD, ("is missing", "msma revive plant")),
         ([diag(), diag(host="there")], "arph", Grade.BAD, ("2 plants", "on here", "on there")),
         ([diag(), diag("goal", version="9.9")], "versions", Grade.BAD, ("here has 9.9", VERSION)),
-        ([diag(), diag("goal", "far", ahead=-3.0)], "clocks", Grade.WARN, ("far", "3.00 s behind")),
+        (
+            [diag(), diag("goal", "far", offset=-3.0)],
+            "clocks",
+            Grade.WARN,
+            ("far", "3.00 s behind"),
+        ),
     ],
 )
-def test_doctor_says_what_is_wrong_with_a_robot_that_runs(
-    told: list[Told], what: str, grade: Grade, parts: tuple[str, ...]
+def test_doctor_reports_problems_of_a_running_robot(
+    health: list[Health], what: str, grade: Grade, parts: tuple[str, ...]
 ) -> None:
-    found = [one for one in running("arph", told) if (one.what, one.grade) == (what, grade)]
+    found = [one for one in check_running("arph", health) if (one.what, one.grade) == (what, grade)]
     assert len(found) == 1
     assert all(part in found[0].detail for part in parts)
 
 
-def test_doctor_says_nothing_of_a_robot_that_is_well() -> None:
-    told = [diag(), diag("joint/1", "there", ahead=0.3, give=0.4)]  # an answer that took long
-    assert [one.what for one in running("arph", told)] == ["arph"]
+def test_doctor_reports_no_problem_of_a_healthy_robot() -> None:
+    health = [diag(), diag("joint/1", "there", offset=0.3, error=0.4)]  # an answer that took long
+    assert [one.what for one in check_running("arph", health)] == ["arph"]
 
 
 @pytest.mark.parametrize(
     ("address", "part"),
-    [("192.0.2.7", "cannot be reached"), ("no-such-host.invalid", "is no name")],
+    [("192.0.2.7", "cannot be reached"), ("no-such-host.invalid", "is an unknown host name")],
 )
-def test_doctor_says_which_host_cannot_be_reached(address: str, part: str) -> None:
+def test_doctor_reports_which_host_cannot_be_reached(address: str, part: str) -> None:
     deployment = load(DEPLOYMENT, [Override("--set", "hosts.arm", address)])
-    bad = {one.what: one.detail for one in hosts(deployment) if one.grade is Grade.BAD}
+    bad = {one.what: one.detail for one in check_hosts(deployment) if one.grade is Grade.BAD}
     assert part in bad["host arm"]
 
 
-def test_doctor_sees_another_robot_of_the_same_name(make_robot: Callable[[], Robot]) -> None:
+def test_doctor_finds_another_robot_of_the_same_name(make_robot: Callable[[], Robot]) -> None:
     robot = make_robot()
     robot.launch("--duration", "20s")
     robot.until(0.1)
     mesh = load(DEPLOYMENT).mesh._replace(base=65000)
-    found = [one for one in place(Target(robot.name, mesh), 9) if one.what == robot.name]
+    found = [one for one in check_robot(Target(robot.name, mesh), 9) if one.what == robot.name]
     assert found[0].grade is Grade.BAD
-    assert "another robot of this name runs here" in found[0].detail
+    assert "another robot of this name runs on this machine" in found[0].detail

@@ -1,4 +1,4 @@
-"""Keys that go to another host of a run: those that it needs, for as long as it needs them."""
+"""Key pairs that are copied to another host: those that it needs, as long as it needs them."""
 
 import os
 import shutil
@@ -22,7 +22,7 @@ from tests.runtime.conftest import ROOT, wait_for
 
 @pytest.fixture
 def deployment(tmp_path: Path) -> Deployment:
-    """One on three hosts, with keys."""
+    """A deployment on three hosts, with certificates."""
     changes = {"security.keys": tmp_path / "keys", "runs": tmp_path / "runs", "robot": "far"}
     overrides = [Override("a test", path, str(value)) for path, value in changes.items()]
     deployment = load(ROOT / "deploy" / "arph-hosts.yaml", overrides)
@@ -33,7 +33,7 @@ def deployment(tmp_path: Path) -> Deployment:
 
 @contextmanager
 def host(name: str, place: Path) -> "Iterator[subprocess.Popen[bytes]]":
-    """Let `msma share` speak for a host, as ssh would have it do."""
+    """Run `msma share` for a host, as ssh would."""
     process = subprocess.Popen(
         [sys.executable, "-m", "runtime.cli", "share", name],
         stdin=subprocess.PIPE,
@@ -51,7 +51,7 @@ def host(name: str, place: Path) -> "Iterator[subprocess.Popen[bytes]]":
                 pipe.close()
 
 
-def test_a_host_gets_the_keys_of_its_own_roles_and_keeps_none(
+def test_a_host_gets_the_key_pairs_of_its_own_roles_and_keeps_none(
     deployment: Deployment, tmp_path: Path
 ) -> None:
     there = tmp_path / "there"
@@ -77,7 +77,7 @@ def test_a_host_gets_the_keys_of_its_own_roles_and_keeps_none(
     assert list(run.rglob("*.key")) == []
 
 
-def test_a_host_that_loses_touch_keeps_no_keys_either(
+def test_a_host_that_loses_its_launcher_keeps_no_key_pairs_either(
     deployment: Deployment, tmp_path: Path
 ) -> None:
     there = tmp_path / "there"
@@ -92,7 +92,7 @@ def test_a_host_that_loses_touch_keeps_no_keys_either(
     assert list(there.rglob("*.key")) == []
 
 
-def test_a_host_without_all_keys_can_start_its_own_share(
+def test_a_host_with_the_key_pairs_of_its_own_roles_can_start_them(
     deployment: Deployment, tmp_path: Path
 ) -> None:
     (tmp_path / "keys" / "plant.key").unlink()

@@ -1,4 +1,4 @@
-"""Keys on disk: how they are made, what is said of those that are no good, and of none."""
+"""Key pairs on disk: how they are created, and messages about bad or missing ones."""
 
 import os
 import shutil
@@ -12,7 +12,7 @@ import pytest
 
 from runtime.cli import main
 from runtime.config.deployment import load
-from runtime.doctor.keys import keys
+from runtime.doctor.certificates import check_certificates
 from runtime.doctor.machine import Grade
 from runtime.tls.certificates import Authority, write_keys
 from runtime.wire.mesh import LOOPBACK
@@ -25,7 +25,7 @@ NOW = datetime.now(UTC)
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The current folder, with a deployment that asks for keys in `keys`."""
+    """The current folder, with a deployment whose certificates are in `keys`."""
     shutil.copy(ROOT / "deploy" / FILE, tmp_path)
     monkeypatch.chdir(tmp_path)
     return tmp_path
@@ -33,14 +33,14 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture
 def authority(folder: Path) -> Authority:
-    """Who signed all keys of the deployment."""
+    """The authority that signed all certificates of the deployment."""
     authority = Authority("arph", 100)
     write_keys(folder / "keys", authority, names(load(FILE).roles), [LOOPBACK])
     return authority
 
 
 def replace(name: str, authority: Authority, issued_to: str = "", **more: datetime) -> None:
-    """Put another pair of keys in the place of a name's."""
+    """Replace the key pair of a name."""
     pair = authority.issue(issued_to or name, [LOOPBACK], **more)
     files = Credentials(Path("keys"), name, ())
     files.certificate.write_text(pair.certificate)
@@ -48,23 +48,23 @@ def replace(name: str, authority: Authority, issued_to: str = "", **more: dateti
 
 
 def found() -> str:
-    """Return what the doctor finds wrong, or the one thing that it says if nothing is."""
-    findings = list(keys(load(FILE)))
+    """Return what the doctor says about the certificates."""
+    findings = list(check_certificates(load(FILE)))
     return " | ".join(f"{one.grade.value}: {one.detail}" for one in findings)
 
 
-def test_there_is_a_pair_of_keys_for_each_role_and_one_for_operators(
+def test_there_is_a_key_pair_for_each_role_and_one_for_operators(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["keys", "keys", FILE]) == 0
-    assert capsys.readouterr().out == "keys: 10 pairs of keys, for 127.0.0.1, good for 730 days\n"
+    assert capsys.readouterr().out == "keys: 10 key pairs, for 127.0.0.1, valid for 730 days\n"
     roles = ["plant", "goal", *(f"joint-{number}" for number in range(1, 7)), "platform"]
     wanted = {f"{name}.{kind}" for name in [*roles, OPERATOR] for kind in ("pem", "key")}
     assert {file.name for file in (folder / "keys").iterdir()} == {*wanted, "ca.pem"}
     assert found().startswith("ok: 10 in ")
 
 
-def test_nobody_else_can_read_the_folder_and_the_private_keys(folder: Path) -> None:
+def test_only_the_owner_can_read_the_folder_and_the_private_keys(folder: Path) -> None:
     before = os.umask(0)
     try:
         main(["keys", "keys", FILE])
@@ -75,7 +75,7 @@ def test_nobody_else_can_read_the_folder_and_the_private_keys(folder: Path) -> N
     assert {stat.S_IMODE(file.stat().st_mode) for file in private} == {0o600}
 
 
-def test_keys_are_for_the_addresses_of_all_hosts(
+def test_certificates_hold_the_addresses_of_all_hosts(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     main(["keys", "here", str(ROOT / "deploy" / "arph-hosts.yaml")])
@@ -84,7 +84,7 @@ def test_keys_are_for_the_addresses_of_all_hosts(
     assert "does not use them yet" in said
 
 
-def test_keys_are_not_overwritten_unless_that_is_wanted(
+def test_files_are_replaced_only_on_request(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     main(["keys", "keys", FILE])
@@ -97,7 +97,7 @@ def test_keys_are_not_overwritten_unless_that_is_wanted(
 
 
 @pytest.mark.parametrize("days", ["0", "-1", "nan", "1e9"])
-def test_a_senseless_time_is_refused(
+def test_a_validity_out_of_bounds_is_refused(
     folder: Path, days: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["keys", "keys", FILE, "--days", days]) == 2
@@ -105,7 +105,7 @@ def test_a_senseless_time_is_refused(
     assert not (folder / "keys").exists()
 
 
-def test_a_folder_that_cannot_be_made_is_said(
+def test_a_folder_that_cannot_be_created_is_an_error(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (folder / "keys").write_text("no folder")
@@ -113,35 +113,35 @@ def test_a_folder_that_cannot_be_made_is_said(
     assert "cannot be written" in capsys.readouterr().err
 
 
-def test_without_keys_nothing_starts_and_one_line_tells_the_command(
+def test_without_certificates_nothing_starts_and_one_line_gives_the_command(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["launch", FILE]) == 2
     said = capsys.readouterr().err
     assert said.count("\n") == 1
-    assert "there are no keys" in said
-    command = said.partition("make them: msma ")[2].split()
+    assert "there are no certificates in" in said
+    command = said.partition("create them: msma ")[2].split()
     assert [file.name for file in folder.iterdir()] == [FILE]
     assert main(command) == 0
     assert found().startswith("ok")
 
 
-def test_tools_say_so_too(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_tools_give_the_command_too(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     for verb in (["status"], ["stop"], ["agent", FILE, "joint/1"]):
         assert main([*verb, *(["--file", FILE] if len(verb) == 1 else [])]) == 2
-        assert "make them: msma keys keys arph-secure.yaml" in capsys.readouterr().err
+        assert "create them: msma keys keys arph-secure.yaml" in capsys.readouterr().err
 
 
 @pytest.mark.usefixtures("authority")
-def test_a_missing_pair_of_keys_is_named(folder: Path) -> None:
+def test_a_missing_key_pair_is_named(folder: Path) -> None:
     (folder / "keys" / "joint-3.key").unlink()
-    assert f"there is no {folder}/keys/joint-3.key; make them: msma keys --overwrite" in found()
+    assert f"there is no {folder}/keys/joint-3.key; create them: msma keys --overwrite" in found()
 
 
 def test_the_doctor_finds_an_expired_certificate(folder: Path, authority: Authority) -> None:
     replace("joint/2", authority, begin=NOW - timedelta(9), end=NOW - timedelta(2))
     day = (datetime.now() - timedelta(2)).strftime("%Y-%m-%d")
-    assert f"bad: {folder}/keys/joint-2.pem has expired, on {day}" in found()
+    assert f"bad: {folder}/keys/joint-2.pem expired on {day}" in found()
 
 
 def test_the_launcher_refuses_it_before_anything_starts(
@@ -151,19 +151,19 @@ def test_the_launcher_refuses_it_before_anything_starts(
     assert main(["launch", FILE]) == 2
     said = capsys.readouterr().err
     assert said.count("\n") == 1
-    assert "joint-2.pem has expired" in said
+    assert "joint-2.pem expired" in said
     assert not (folder / "runs").exists()
 
 
-def test_the_doctor_finds_a_certificate_that_is_not_good_yet(authority: Authority) -> None:
+def test_the_doctor_finds_a_certificate_that_is_not_valid_yet(authority: Authority) -> None:
     replace("plant", authority, begin=NOW + timedelta(2), end=NOW + timedelta(9))
-    assert "plant.pem is not good before" in found()
+    assert "plant.pem is not valid before" in found()
     assert "is the clock right?" in found()
 
 
 def test_the_doctor_finds_a_certificate_for_another_name(authority: Authority) -> None:
     replace("joint/2", authority, issued_to="joint/1")
-    assert "joint-2.pem is that of joint/1, not of joint/2" in found()
+    assert "joint-2.pem belongs to joint/1, not to joint/2" in found()
 
 
 def test_the_doctor_finds_a_certificate_for_another_address(
@@ -184,31 +184,31 @@ def test_the_doctor_finds_a_certificate_of_another_authority() -> None:
 def test_the_doctor_finds_a_private_key_of_another_certificate(folder: Path) -> None:
     shutil.copy(folder / "keys" / "goal.key", folder / "keys" / "plant.key")
     assert "plant.pem and " in found()
-    assert "are no pair of keys" in found()
+    assert "are not a key pair" in found()
 
 
 @pytest.mark.usefixtures("authority")
-def test_the_doctor_finds_what_is_no_key_at_all(folder: Path) -> None:
-    (folder / "keys" / "ca.pem").write_text("no certificate")
-    assert "ca.pem is no certificate" in found()
+def test_the_doctor_finds_a_file_that_is_not_a_certificate(folder: Path) -> None:
+    (folder / "keys" / "ca.pem").write_text("nothing")
+    assert "ca.pem is not a certificate" in found()
 
 
 @pytest.mark.usefixtures("authority")
 def test_the_doctor_finds_a_private_key_that_others_can_read(folder: Path) -> None:
     file = folder / "keys" / "operator.key"
     file.chmod(0o644)
-    said = f"bad: {file} may be read by others, who then may be operator; `chmod 600 {file}`"
+    said = f"bad: {file} can be read by other users, who could act as operator; `chmod 600 {file}`"
     assert found() == said
 
 
-def test_the_doctor_warns_of_keys_that_expire_soon(folder: Path) -> None:
+def test_the_doctor_warns_of_certificates_that_expire_soon(folder: Path) -> None:
     write_keys(folder / "keys", Authority("arph", 20), names(load(FILE).roles), [LOOPBACK])
-    (finding,) = keys(load(FILE))
+    (finding,) = check_certificates(load(FILE))
     assert finding.grade is Grade.WARN
-    assert "good until" in finding.detail
+    assert "valid until" in finding.detail
 
 
-def test_a_host_needs_no_keys_of_roles_elsewhere(folder: Path) -> None:
+def test_a_host_needs_no_certificates_of_roles_elsewhere(folder: Path) -> None:
     text = (folder / FILE).read_text().replace("role: joint/2,", "role: joint/2, host: far,")
     (folder / FILE).write_text(f"{text}\nhosts: {{here: 127.0.0.1, far: 192.0.2.1}}\n")
     addresses = [LOOPBACK, "192.0.2.1"]

@@ -1,4 +1,4 @@
-"""The stage of a rehearsal: a namespace for each host, their cables, and the switch between."""
+"""The virtual hosts of a rehearsal, each in namespaces of its own, and the switch between them."""
 
 import ipaddress
 import json
@@ -17,21 +17,27 @@ from runtime.config.chaos import LAUNCHER, WATCHER, ChaosEvent
 from runtime.config.deployment import Deployment
 from runtime.config.tree import ConfigError
 from runtime.errors import RunError
-from runtime.rehearsal.links import Trouble
-from runtime.rehearsal.tap import leave_the_network, open_cable
+from runtime.rehearsal.tap import enter_new_network, open_tap
 from runtime.spawning.remote import out_of
 
 _SOURCES = Path(__file__).parents[2]
-_PATIENCE = 20.0  # [s] for a host to be there
+_START_TIMEOUT = 20.0  # [s]
 _NAMESPACES = ("--net", "--uts", "--pid", "--fork", "--mount-proc", "--kill-child=SIGKILL")
 _HOSTS, _OUR_ADDRESS = "10.87.0.{}", "10.87.255.254"
 
 
-class Stage:
-    """Makes the hosts of a deployment on this machine while in its `with` block.
+class VirtualNetwork:
+    """Creates the hosts of a deployment on this machine for the time of its `with` block.
 
-    All of it goes with this process, however that ends: namespaces have no names, and what runs
-    in one ends with its first process, which ends when nobody is at the other end of its input.
+    Everything ends with this process, however it ends: the namespaces have no names, and all that
+    runs in one ends with its first process, which ends when its standard input closes.
+
+    Attributes:
+        deployment: The deployment, with an address of its own for each host.
+        hosts: The first process of each host.
+
+    Raises:
+        ConfigError: The deployment cannot be rehearsed on this machine.
     """
 
     def __init__(self, deployment: Deployment) -> None:
@@ -41,47 +47,47 @@ class Stage:
         self._stack = ExitStack()
 
     def build(self, run: Path) -> None:
-        """Make the hosts; what they complain of goes to the run's folder."""
+        """Create the hosts; their error output goes to the run's folder."""
         try:
-            leave_the_network()
-            cables = {"": open_cable(_OUR_ADDRESS)}
+            enter_new_network()
+            taps = {"": open_tap(_OUR_ADDRESS)}
         except OSError as error:
-            raise RunError(f"the rehearsal has no network: {error}") from None
-        takers = {name: self._start(name, run) for name in self.deployment.hosts}
-        for name, taker in takers.items():
-            cables[name] = _take_cable(taker, name, run)
-        self._start_switch(cables)
-        for cable in cables.values():
-            os.close(cable)
+            raise RunError(f"the network of the rehearsal cannot be created: {error}") from None
+        receivers = {name: self._start(name, run) for name in self.deployment.hosts}
+        for name, receiver in receivers.items():
+            taps[name] = _receive_tap(receiver, name, run)
+        self._start_switch(taps)
+        for tap in taps.values():
+            os.close(tap)
 
     def _start(self, name: str, run: Path) -> socket.socket:
-        """Start a host; return the socket by which its cable will come."""
-        taker, giver = socket.socketpair()
+        """Start a host; return the socket that will receive its TAP device."""
+        receiver, sender = socket.socketpair()
         address = self.deployment.hosts[name].address
-        with giver, out_of(run, name).open("ab") as out:
+        with sender, out_of(run, name).open("ab") as out:
             process = subprocess.Popen(
-                ["unshare", *_NAMESPACES, *_python("host"), name, address, str(giver.fileno())],
+                ["unshare", *_NAMESPACES, *_python("host"), name, address, str(sender.fileno())],
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=out,
-                pass_fds=[giver.fileno()],
+                pass_fds=[sender.fileno()],
                 start_new_session=True,
                 env=_environment(),
             )
         self.hosts[name] = process
         self._stack.callback(_end, process)
-        return self._stack.enter_context(taker)
+        return self._stack.enter_context(receiver)
 
-    def _start_switch(self, cables: dict[str, int]) -> None:
+    def _start_switch(self, taps: dict[str, int]) -> None:
         self._control, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         self._stack.enter_context(self._control)
         with theirs:
-            pairs = [f"{name}={cable}" for name, cable in cables.items()]
+            pairs = [f"{name}={tap}" for name, tap in taps.items()]
             seed = str(self.deployment.seed)
             switch = subprocess.Popen(
                 [*_python("switch"), str(theirs.fileno()), seed, *pairs],
                 stdin=subprocess.DEVNULL,
-                pass_fds=[theirs.fileno(), *cables.values()],
+                pass_fds=[theirs.fileno(), *taps.values()],
                 start_new_session=True,
                 env=_environment(),
             )
@@ -89,19 +95,17 @@ class Stage:
 
     def begin(self, event: ChaosEvent) -> None:
         """Begin a partition, a delay or a loss for the event's hosts."""
-        hosts = frozenset(event.hosts)
-        trouble = Trouble(
-            event.action, hosts, event.time or 0.0, event.jitter or 0.0, event.share or 0.0
-        )
-        self._order(name=repr(event), trouble={**trouble._asdict(), "hosts": event.hosts})
+        numbers = {name: getattr(event, name) or 0.0 for name in ("time", "jitter", "share")}
+        impairment = {"action": event.action, "hosts": event.hosts, **numbers}
+        self._request(name=repr(event), impairment=impairment)
 
     def end(self, event: ChaosEvent) -> None:
-        """End what `begin` began for that event."""
-        self._order(name=repr(event))
+        """End what `begin` began for the event."""
+        self._request(name=repr(event))
 
-    def _order(self, **order: object) -> None:
-        """Let the switch do something, and wait until it has."""
-        self._control.send(json.dumps(order).encode())
+    def _request(self, **request: object) -> None:
+        """Send a request to the switch, and wait until it is done."""
+        self._control.send(json.dumps(request).encode())
         self._control.recv(16)
 
     def __enter__(self) -> Self:
@@ -117,28 +121,28 @@ class Stage:
 
 
 def _check(deployment: Deployment) -> None:
-    """Raise `ConfigError` if it cannot be rehearsed here."""
+    """Raise `ConfigError` if a deployment cannot be rehearsed on this machine."""
     if os.geteuid() != 0:
-        raise ConfigError("--rehearse makes network namespaces, which takes root: run it by sudo")
+        raise ConfigError("--rehearse creates network namespaces and must run as root: use sudo")
     if not os.path.exists("/dev/net/tun"):
-        raise ConfigError("--rehearse needs /dev/net/tun: `modprobe tun` makes it")
+        raise ConfigError("--rehearse needs /dev/net/tun: load it with `modprobe tun`")
     if shutil.which("unshare") is None:
-        raise ConfigError("--rehearse needs `unshare`, which is in the package util-linux")
+        raise ConfigError("--rehearse needs `unshare`: install the package util-linux")
     for index, event in enumerate(deployment.chaos):
         if (event.kill or event.hang) == WATCHER or event.kill == LAUNCHER:
-            what = f"chaos.{index}: the hosts of a rehearsal end with its launcher, and no"
-            raise ConfigError(f"{what} `msma status` runs beside it: {event.target} stays out")
+            what = f"chaos.{index}: --rehearse cannot {event.action} the {event.target}"
+            raise ConfigError(f"{what}: its hosts end with the launcher, and it has no watcher")
 
 
 def _addressed(deployment: Deployment) -> Deployment:
-    """Give each host an address of its own, if those of the file will not do for that."""
+    """Return the deployment, with new addresses unless those of the file can be used."""
     hosts = deployment.hosts
     addresses = {spec.address for spec in hosts.values()}
-    if len(addresses) == len(hosts) and all(map(_will_do, addresses)):
+    if len(addresses) == len(hosts) and all(map(_is_usable, addresses)):
         return deployment
     if deployment.security is not None:
-        what = "certificates hold the addresses of `hosts`: to be rehearsed they must be IPv4"
-        raise ConfigError(f"{what} addresses, each another and none of the loopback device")
+        what = "with `security`, --rehearse needs an IPv4 address of its own for each host"
+        raise ConfigError(f"{what}, none of them loopback: the certificates contain them")
     numbered = {
         name: replace(spec, address=_HOSTS.format(index + 1))
         for index, (name, spec) in enumerate(hosts.items())
@@ -146,7 +150,7 @@ def _addressed(deployment: Deployment) -> Deployment:
     return replace(deployment, hosts=numbered)
 
 
-def _will_do(address: str) -> bool:
+def _is_usable(address: str) -> bool:
     try:
         parsed = ipaddress.IPv4Address(address)
     except ValueError:
@@ -154,14 +158,14 @@ def _will_do(address: str) -> bool:
     return not parsed.is_loopback and address != _OUR_ADDRESS
 
 
-def _take_cable(taker: socket.socket, name: str, run: Path) -> int:
-    taker.settimeout(_PATIENCE)
+def _receive_tap(receiver: socket.socket, name: str, run: Path) -> int:
+    receiver.settimeout(_START_TIMEOUT)
     try:
-        _, files, _, _ = socket.recv_fds(taker, 16, 1)
+        _, files, _, _ = socket.recv_fds(receiver, 16, 1)
     except TimeoutError:
         files = []
     if not files:
-        raise RunError(f"host {name} of the rehearsal did not begin: see {out_of(run, name)}")
+        raise RunError(f"host {name} of the rehearsal did not start: see {out_of(run, name)}")
     return files[0]
 
 

@@ -1,4 +1,4 @@
-"""What can be wrong with the keys of a deployment, before anything is started."""
+"""Checks of the certificates and private keys that a deployment needs on this machine."""
 
 import stat
 import time
@@ -10,17 +10,17 @@ from runtime.doctor.machine import Finding, Grade
 from runtime.tls.verification import day, is_here, needed, verify
 from runtime.wire.security import Credentials
 
-_SOON = 30 * 86400.0  # [s]
-_WHAT = "keys"
+_SOON = 30 * 86400.0  # [s] before expiry: warn
+_WHAT = "certificates"
 
 
-def keys(deployment: Deployment) -> Iterator[Finding]:
-    """Look at the keys that processes on this machine need, if the deployment asks for any."""
+def check_certificates(deployment: Deployment) -> Iterator[Finding]:
+    """Check the key pair of each process on this machine, if the deployment has `security`."""
     security = deployment.security
     if security is None:
         return
-    sound = True
-    ends: list[float] = []
+    valid = True
+    expiries: list[float] = []
     for name, address in needed(deployment):
         if not is_here(address):
             continue
@@ -30,25 +30,25 @@ def keys(deployment: Deployment) -> Iterator[Finding]:
             yield Finding(Grade.BAD, _WHAT, str(error))
             return
         remedy = security.remedy(" --overwrite")
-        for finding in _of(credentials, address, ends, remedy):
-            sound = False
+        for finding in _check_pair(credentials, address, expiries, remedy):
+            valid = False
             yield finding
-    if sound and ends:
-        soon = min(ends) < time.time() + _SOON
-        detail = f"{len(ends)} in {security.keys}, good until {day(min(ends))}"
+    if valid and expiries:
+        soon = min(expiries) < time.time() + _SOON
+        detail = f"{len(expiries)} in {security.keys}, valid until {day(min(expiries))}"
         yield Finding(Grade.WARN if soon else Grade.OK, _WHAT, detail)
 
 
-def _of(
-    credentials: Credentials, address: str, ends: list[float], remedy: str
+def _check_pair(
+    credentials: Credentials, address: str, expiries: list[float], remedy: str
 ) -> Iterator[Finding]:
-    """Yield what is wrong with one pair of keys; add when it ends [s since 1970], if it is good."""
+    """Check one key pair; append its expiry [s since 1970] if it is valid."""
     try:
-        ends.append(verify(credentials, address, time.time()).end)
+        expiries.append(verify(credentials, address, time.time()).end)
     except ConfigError as error:
-        yield Finding(Grade.BAD, _WHAT, f"{error}; make all anew: {remedy}")
+        yield Finding(Grade.BAD, _WHAT, f"{error}; replace all: {remedy}")
     mode = stat.S_IMODE(credentials.private_key.stat().st_mode)
     if mode & 0o077:
         file = credentials.private_key
-        detail = f"{file} may be read by others, who then may be {credentials.name}"
+        detail = f"{file} can be read by other users, who could act as {credentials.name}"
         yield Finding(Grade.BAD, _WHAT, f"{detail}; `chmod 600 {file}`")
