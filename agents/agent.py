@@ -1,10 +1,11 @@
 """What an agent is: percepts in, one command out."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from types import MappingProxyType
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -64,6 +65,7 @@ class Percepts(NamedTuple):
     joints: the blackboard
     base: (..., 3) x [m], y [m], heading [rad] of the platform in the world
     goal: the piece of path in force
+    sensors: by name, what is fresh of the robot's own sensors that the agent `sees`
     """
 
     t: float
@@ -71,6 +73,7 @@ class Percepts(NamedTuple):
     joints: Joints | None = None
     base: Array | None = None
     goal: Goal | None = None
+    sensors: Mapping[str, Any] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -111,7 +114,9 @@ class Agent(ABC):
     """What the last decision was based on, for people to see."""
 
     sees: frozenset[str] = frozenset(("hand", "joints", "base", "goal"))
-    """Which percepts it has a use for: the others need not come to its process."""
+    """Which percepts it has a use for: the others need not come to its process.
+
+    Beside these four it may name those of the robot's own sensors, to be had in `sensors`."""
 
     rest: float = 0.0
     """How soon after a decision the next one is of use [s]: to what it sees until then, its answer

@@ -106,7 +106,7 @@ def _agent_of(agent: Agent, seen: Sequence[Percepts], cadence: Cadence, period: 
 
 def _states(percepts: Percepts) -> tuple[Message, ...]:
     """Return what a plant tells of what is perceived."""
-    t, hand, joints, base, _ = percepts
+    t, hand, joints, base, *_ = percepts
     assert hand is not None
     assert joints is not None
     assert base is not None

@@ -21,6 +21,7 @@ from runtime.config.spelling import valid_are
 from runtime.config.tree import ConfigError, Node, read_file
 from runtime.wire.mesh import FIRST_COPY, SLOTS, Mesh, port_base
 from runtime.wire.security import Credentials
+from runtime.wire.topics import STANDARD, Contract
 
 Name = Annotated[str, Pattern("[A-Za-z0-9][A-Za-z0-9_-]{0,63}", "a robot's name", "arph")]
 Port = Annotated[int, Range(such_as="7600", least=1024, most=65536 - SLOTS)]
@@ -143,6 +144,11 @@ class Deployment:
         Raises `ConfigError` if its files are missing, and says how to create them.
         """
         return None if self.security is None else self.security.credentials(name, self.roles)
+
+    @property
+    def contract(self) -> Contract:
+        """The topics of this robot."""
+        return STANDARD
 
     def agent(self, role: str) -> AgentSpec:
         """Return the agent in that role, or raise `ConfigError`."""

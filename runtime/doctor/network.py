@@ -13,9 +13,9 @@ from runtime.doctor.machine import Finding, Grade
 from runtime.watching.discovery import Target, is_taken, robots_here
 from runtime.wire import topics
 from runtime.wire.bus import Bus
-from runtime.wire.fields import MessageError
 from runtime.wire.mesh import SLOTS, Address
 from runtime.wire.messages import Diag, unpack
+from runtime.wire.refusals import MessageError
 
 _TIMEOUT = 1.0  # [s] for an answer from a host or a process
 _CLOCKS = 0.1  # [s] by which clocks may differ: logs are compared by them

@@ -8,16 +8,19 @@ from math import isfinite
 
 import numpy as np
 
-from agents.agent import REST, Agent, Percepts
+from agents.agent import REST, Agent, AgentError, Percepts
+from runtime.config.deployment import Deployment
 from runtime.processes.perception import Perception
 from runtime.processes.process import Loop, Process
 from runtime.processes.timing import Backlog, Cadence, apart
 from runtime.wire import topics
 from runtime.wire.messages import JointCommand, PlatformCommand
 from runtime.wire.samples import Sample
+from runtime.wire.topics import Topic
 
 _PAUSE = 0.1  # of a period, without which a state has waited for the agent
 _AT_ONCE = 16  # messages of one kind that are looked at before a decision, however many wait
+_GOALS = 8
 _NEWEST = 2  # of a kind that is of use to a decision only, so that a stray one hides no sound one:
 # to read all that came since the last decision would at 1 kHz take longer than to decide
 _BLINK = 0.02  # [s] at least between two looks for a hand while no joint states come
@@ -26,6 +29,17 @@ _BLINK = 0.02  # [s] at least between two looks for a hand while no joint states
 def freshness(period: float, speed: float) -> float:
     """Return how long state is worth perceiving [s], for a plant's `period` [s] and speed."""
     return max(3 * period / speed, 0.05)
+
+
+def _topics_of(sees: frozenset[str], deployment: Deployment) -> list[Topic]:
+    """Return the topics of what an agent sees, or raise `AgentError`."""
+    contract = topics.STANDARD
+    if not sees <= contract.percepts.keys():  # the robot's own: it takes the plant's class to know
+        contract = deployment.contract
+    if unknown := sorted(sees - contract.percepts.keys()):
+        valid = ", ".join(contract.percepts)
+        raise AgentError(f"the agent sees {', '.join(unknown)}, and the robot has {valid}")
+    return [topic for topic in contract.topics if topic.percept in sees]
 
 
 class AgentLoop(Loop):
@@ -46,7 +60,10 @@ class AgentLoop(Loop):
         self._command: Callable[..., JointCommand | PlatformCommand]
         self._command = PlatformCommand if joint is None else JointCommand
         fresh = freshness(deployment.period, deployment.speed)
-        self._senses = Perception(deployment.description.robot, fresh, process.refusals)
+        sees, robot = agent.sees, deployment.description.robot
+        perceived = _topics_of(sees, deployment)
+        own = [topic for topic in perceived if topic not in topics.TOPICS]
+        self._senses = Perception(robot, fresh, process.refusals, own)
         self._backlog = Backlog(deployment.period, deployment.speed)
         self._pause = _PAUSE * deployment.period / deployment.speed
         self._cadence = Cadence(agent.rest, apart(deployment.slot(process.role)))
@@ -54,18 +71,18 @@ class AgentLoop(Loop):
         self._wanted: tuple[float, ...] | None = None  # speeds
         self._decided_at, self._good = 0.0, agent.rest / REST  # when, and for how long [s]
         self._done, self._paused = 0.0, False
-        sees = agent.sees
-        self._others = [bus.ring(key) for key in topics.GOALS if "goal" in sees]
-        if "base" in sees:
-            self._others.append(bus.ring(topics.PLATFORM, _NEWEST))
+        board = topics.JOINTS if "joints" in sees or "hand" not in sees else topics.HAND
+        self._others = [
+            bus.ring(topic.key, _GOALS if topic.percept == "goal" else _NEWEST)
+            for topic in perceived
+            if topic.key != board
+        ]
         silence = None
         if sees >= {"joints", "hand"}:  # it goes by the joint states, and looks at the hand
-            self._others.append(bus.ring(topics.HAND, _NEWEST))
             silence = max(deployment.period / deployment.speed, _BLINK)
         self._out = bus.publisher(
             topics.PLATFORM_COMMAND if joint is None else topics.joint_command(joint + 1)
         )
-        board = topics.JOINTS if "joints" in sees or "hand" not in sees else topics.HAND
         self._board = bus.on_sample(board, self._perceive, silence, self._think)
         self._perceiving = threading.Lock()
 

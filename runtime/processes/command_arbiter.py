@@ -12,7 +12,7 @@ from runtime.wire.messages import JointCommand, PlatformCommand
 from runtime.wire.refusals import Reason, Refusals
 from runtime.wire.samples import Sample
 
-EXPRESSIONS = ("arm/joint/*/cmd", topics.PLATFORM_COMMAND)
+EXPRESSIONS = (topics.JOINT_COMMANDS, topics.PLATFORM_COMMAND)
 """The key expressions on which commands come."""
 _ROUNDING = 1 + 1e-9
 
@@ -111,5 +111,6 @@ class CommandArbiter:
 
 
 def _speeds(command: Command) -> tuple[float, ...]:
-    """Return what is between the time and the stamp."""
-    return command[1:-2]
+    if isinstance(command, JointCommand):
+        return (command.velocity,)
+    return command.linear, command.angular

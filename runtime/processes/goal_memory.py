@@ -25,7 +25,7 @@ class GoalMemory:
     def __init__(self, bus: Bus, refusals: Refusals) -> None:
         self._ring = bus.ring(topics.GOAL, _AT_ONCE)
         self._ear = TopicInput(topics.GOAL, GoalMessage, _FRESH, refusals)
-        self._out = bus.publisher(topics.KNOWN_GOAL, express=False)
+        self._out = bus.publisher(topics.KNOWN_GOAL)
         self._next = -math.inf
 
     def keep(self, now: float) -> None:

@@ -7,8 +7,7 @@ from runtime.processes.agent_process import freshness
 from runtime.processes.process import Loop, Process
 from runtime.wire import topics
 from runtime.wire.arbitration import TopicInput
-from runtime.wire.fields import LIMIT
-from runtime.wire.messages import GoalMessage, JointStates
+from runtime.wire.messages import LIMIT, GoalMessage, JointStates
 
 _SHORTEST = 0.01  # [s] between two messages, however fast the plant is
 

@@ -6,9 +6,9 @@ from pathlib import Path
 from runtime.config.deployment import Deployment, ProcessSpec
 from runtime.wire import topics
 from runtime.wire.bus import Bus, BusError
-from runtime.wire.fields import MessageError
 from runtime.wire.mesh import FIRST_COPY, SLOTS, Endpoints
 from runtime.wire.messages import Diag, unpack
+from runtime.wire.refusals import MessageError
 
 _SEARCH = 0.6  # [s] in which those who dial us have found us
 

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 
-from runtime.wire.fields import Spread
+from runtime.wire.messages import Spread
 
 _SHORTEST = 1e-6  # [s]
 _BINS_A_DOUBLING = 10

@@ -1,18 +1,19 @@
 """What an agent perceives: messages in, percepts out. Pure but for the clock it is handed."""
 
 from collections import deque
-from typing import TypeVar
+from collections.abc import Iterable, Mapping
+from typing import Any, TypeVar
 
 import numpy as np
 
-from agents.agent import Goal, Joints, Percepts
+from agents.agent import Array, Goal, Joints, Percepts
 from plant.robot import Robot
 from runtime.wire import topics
 from runtime.wire.arbitration import GoalInput, TopicInput
-from runtime.wire.fields import MessageError
-from runtime.wire.messages import EndEffectorPose, JointStates, PlatformPose
-from runtime.wire.refusals import Reason, Refusals
+from runtime.wire.messages import EndEffectorPose, JointStates, Message, PlatformPose
+from runtime.wire.refusals import MessageError, Reason, Refusals
 from runtime.wire.samples import Sample
+from runtime.wire.topics import Topic
 
 S = TypeVar("S", EndEffectorPose, JointStates, PlatformPose)
 _KEPT = 6
@@ -27,10 +28,13 @@ class Perception:
 
     robot: whose joints the joint states must be of
     fresh: how long what arrived is worth perceiving [s]
+    sensors: topics of the robot's own sensors that are perceived
     t: the moment that was told of last by what calls for a decision [s]
     """
 
-    def __init__(self, robot: Robot, fresh: float, refusals: Refusals) -> None:
+    def __init__(
+        self, robot: Robot, fresh: float, refusals: Refusals, sensors: Iterable[Topic] = ()
+    ) -> None:
         n = robot.n
 
         def of_this_robot(states: JointStates) -> None:
@@ -46,6 +50,14 @@ class Perception:
         self._hands: deque[EndEffectorPose] = deque(maxlen=_KEPT)
         self._states: deque[JointStates] = deque(maxlen=_KEPT)
         self._bases: deque[PlatformPose] = deque(maxlen=_KEPT)
+        self._sensors: dict[str, TopicInput[Message]] = {}  # by key
+        self._names: dict[str, str] = {}
+        for topic in sensors:
+            if topic.percept is not None:
+                self._names[topic.key] = topic.percept
+                self._sensors[topic.key] = TopicInput(
+                    topic.key, topic.message, topic.fresh or fresh, refusals
+                )
         self._refusals = refusals
         self._goal_known: tuple[tuple[object, ...], Goal] | None = None
         self.t = 0.0
@@ -66,6 +78,8 @@ class Perception:
                 self._keep(self._base.take(arrival.data, now), self._bases)
             case topics.GOAL | topics.KNOWN_GOAL:
                 self._goal.take(arrival.key, arrival.data, now)
+            case key if key in self._sensors:
+                self._sensors[key].take(arrival.data, now)
             case stranger:
                 self._refusals.count_unknown(stranger)
         return False
@@ -97,22 +111,33 @@ class Perception:
         return Percepts(
             t,
             np.array(hand.position) if hand else None,
-            Joints(np.array(states.position), np.array(states.velocity)) if states else None,
+            Joints(_array(states.position), _array(states.velocity)) if states else None,
             np.array((base.x, base.y, base.heading)) if base else None,
             self._goal_in_force(now),
+            self._sensed(now),
         )
+
+    def _sensed(self, now: float) -> Mapping[str, Any]:
+        """Return what is fresh of the robot's own sensors, by their names."""
+        latest = {self._names[key]: topic.fresh(now) for key, topic in self._sensors.items()}
+        return {name: each.percept() for name, each in latest.items() if each is not None}
 
     def _goal_in_force(self, now: float) -> Goal | None:
         """A goal does not go stale: it stands still from its `until` on."""
         message = self._goal.obeyed(now)
         if message is None:
             return None
-        piece = message[1:-2]
+        piece = message.position, message.velocity, message.since, message.until
         if self._goal_known is None or self._goal_known[0] != piece:
             position, velocity, since, until = piece
             goal = Goal(np.array(position), np.array(velocity), since, until)
             self._goal_known = (piece, goal)
         return self._goal_known[1]
+
+
+def _array(numbers: tuple[float | None, ...]) -> Array:
+    """Return numbers as agents get them, with NaN for what is lost."""
+    return np.array(numbers, dtype=np.float64)
 
 
 def _of(moment: float, newest: S, kept: deque[S]) -> S:

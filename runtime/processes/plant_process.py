@@ -17,7 +17,7 @@ from runtime.processes.process import Loop, Process
 from runtime.processes.state_publisher import StatePublisher, TruthLog
 from runtime.processes.timing import Pacer
 from runtime.wire import topics
-from runtime.wire.fields import Spread
+from runtime.wire.messages import Spread
 
 _SILENT = 1.5  # periods without a word of an agent after which another in its role is obeyed, but
 _LATE = 0.02  # [s] of real time at least: so much may hold up anybody on a busy computer

@@ -25,8 +25,7 @@ from runtime.processes.meters import Durations, Rate
 from runtime.processes.scheduling import set_realtime
 from runtime.wire import topics
 from runtime.wire.bus import BusError
-from runtime.wire.fields import Spread
-from runtime.wire.messages import Diag, stamped
+from runtime.wire.messages import Diag, Spread, stamped
 from runtime.wire.refusals import Refusals
 from runtime.wire.zenoh_internals.connection_log import ConnectionLog
 from runtime.wire.zenoh_internals.linger import disable_linger
@@ -152,7 +151,7 @@ class Process:
 
     def _look_after(self, loop: Loop) -> None:
         """Look four times a second whether to end; flush the log, and say how it is."""
-        publisher = self.bus.publisher(topics.diag(self.role), urgent=False, express=False)
+        publisher = self.bus.publisher(topics.diag(self.role))
         rate = Rate(time.monotonic())
         looks = 0
         pause = random.uniform(0.0, _CHECK)  # or all that began together would do this at once

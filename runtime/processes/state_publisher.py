@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from plant.simulator import Simulator
 from runtime.wire import topics
 from runtime.wire.bus import Bus, Publisher, send_together
-from runtime.wire.messages import EndEffectorPose, JointStates, Message, PlatformPose
+from runtime.wire.messages import EndEffectorPose, JointStates, Message, PlatformPose, nil_for_nan
 
 
 class StatePublisher:
@@ -19,8 +19,8 @@ class StatePublisher:
     def __init__(self, bus: Bus, simulator: Simulator) -> None:
         self._simulator = simulator
         self._has_drive = simulator.robot.drive is not None
-        self._platform = bus.publisher(topics.PLATFORM, express=False)
-        self._hand = bus.publisher(topics.HAND, express=False)
+        self._platform = bus.publisher(topics.PLATFORM)
+        self._hand = bus.publisher(topics.HAND)
         self._joints = bus.publisher(topics.JOINTS)
 
     def tell(self) -> None:
@@ -32,7 +32,8 @@ class StatePublisher:
             told.append((self._platform, PlatformPose(state.t, x, y, heading)))
         if readings.hand:
             told.append((self._hand, EndEffectorPose(state.t, readings.hand, readings.orientation)))
-        told.append((self._joints, JointStates(state.t, readings.q, readings.qd)))
+        q, qd = nil_for_nan(readings.q), nil_for_nan(readings.qd)
+        told.append((self._joints, JointStates(state.t, q, qd)))
         send_together(told)
 
 

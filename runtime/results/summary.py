@@ -17,7 +17,7 @@ from runtime.results.logs import read_log
 from runtime.results.run_log import RunLog
 from runtime.watching.roster import Row
 from runtime.watching.table import columns, distance, milliseconds
-from runtime.wire.fields import Spread
+from runtime.wire.messages import Spread
 from runtime.wire.topics import PLANT
 
 MISSED = 3

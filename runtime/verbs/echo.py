@@ -4,10 +4,12 @@ import argparse
 import json
 import queue
 
+from msgspec import to_builtins
+
 from runtime.watching.discovery import add_target_options, target_of, visit
 from runtime.wire import topics
-from runtime.wire.fields import MessageError
-from runtime.wire.messages import FIELDS, unpack
+from runtime.wire.messages import unpack, unpack_map
+from runtime.wire.refusals import MessageError
 
 _DEPTH = 1000  # messages that may wait to be printed
 
@@ -39,13 +41,13 @@ def run(args: argparse.Namespace) -> int:
 
 
 def decoded(key: str, data: bytes) -> str:
-    """Return a message as JSON with the names that it has on the wire, or why it is none."""
-    kind = topics.kind_of(key)
-    if kind is None:
-        return json.dumps({"key": key, "bytes": len(data)})
+    """Return a message as JSON with the names that it has on the wire, or why it is none.
+
+    A topic of the robot's own is printed as it is, of bounded size.
+    """
+    topic = topics.STANDARD.topic_of(key)
     try:
-        message = unpack(kind, data)
-    except MessageError as error:
+        wire = unpack_map(data) if topic is None else to_builtins(unpack(topic.message, data))
+        return json.dumps({"key": key, **wire})
+    except (MessageError, TypeError) as error:
         return json.dumps({"key": key, "bytes": len(data), "error": str(error)})
-    names = (field.name for field in FIELDS[kind])
-    return json.dumps({"key": key, **dict(zip(names, message, strict=True))})

@@ -5,6 +5,7 @@ import json
 import time
 from collections.abc import Mapping
 
+from msgspec.structs import asdict
 from setproctitle import setproctitle
 
 from runtime.watching.discovery import add_target_options, target_of, visit
@@ -83,7 +84,7 @@ def _json(robot: str, view: View, silent: Mapping[str, str]) -> str:
             "role": row.role,
             "alive": row.alive,
             "answer": row.answer and row.answer._asdict(),
-            **({} if row.diag is None else row.diag._asdict()),
+            **({} if row.diag is None else asdict(row.diag)),
         }
         for row in view.rows
     ]

@@ -15,7 +15,6 @@ from plant.errors import MsmaError
 from runtime.errors import RunError
 from runtime.wire import topics
 from runtime.wire.bus import Bus
-from runtime.wire.fields import MessageError
 from runtime.wire.mesh import (
     ALL_BASES,
     LOOPBACK,
@@ -27,6 +26,7 @@ from runtime.wire.mesh import (
     port_base,
 )
 from runtime.wire.messages import Diag, unpack
+from runtime.wire.refusals import MessageError
 from runtime.wire.security import OPERATOR, Credentials
 
 _LOOKED_AT = 8  # ports of each robot: of plant, goal and the first agents

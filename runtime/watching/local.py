@@ -7,8 +7,8 @@ from runtime.errors import RunError
 from runtime.results.logs import read_log
 from runtime.wire import topics
 from runtime.wire.bus import Bus
-from runtime.wire.fields import MessageError
 from runtime.wire.messages import Diag, unpack
+from runtime.wire.refusals import MessageError
 
 _PATIENCE = 1.0  # [s]
 

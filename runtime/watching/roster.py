@@ -7,8 +7,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from runtime.wire import topics
-from runtime.wire.fields import Spread
-from runtime.wire.messages import Diag
+from runtime.wire.messages import Diag, Spread
 
 FLICKER = 0.5  # [s]: who was gone no longer than that has been there all along
 _KEPT = 256  # processes, however many a flood makes up

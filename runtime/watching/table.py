@@ -5,7 +5,7 @@ import sys
 from collections.abc import Sequence
 
 from runtime.watching.roster import Row
-from runtime.wire.fields import Spread
+from runtime.wire.messages import Spread
 
 HEADINGS = ("role", "pid", "host", "alive", "loop Hz", "answer ms", "refused", "goes by")
 """AnswerTimes are told as median/99 % of the time it takes to answer the plant."""

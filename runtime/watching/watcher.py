@@ -9,9 +9,8 @@ from runtime.watching.roster import Roster, Row
 from runtime.wire import topics
 from runtime.wire.arbitration import GoalInput, TopicInput
 from runtime.wire.bus import Answer, Bus
-from runtime.wire.fields import MessageError, Numbers
-from runtime.wire.messages import Diag, EndEffectorPose, GoalMessage, unpack
-from runtime.wire.refusals import Refusals
+from runtime.wire.messages import Diag, EndEffectorPose, GoalMessage, Position, unpack
+from runtime.wire.refusals import MessageError, Refusals
 
 _FRESH = 1.0  # [s] for which a hand that is no longer told is still shown
 _AT_ONCE = 8
@@ -28,8 +27,8 @@ class View(NamedTuple):
     """
 
     t: float
-    hand: Numbers | None
-    goal: Numbers | None
+    hand: Position | None
+    goal: Position | None
     error: float | None
     worst: float | None
     rows: list[Row]
@@ -49,7 +48,7 @@ class Watcher:
         self._hand = TopicInput(topics.HAND, EndEffectorPose, _FRESH, refusals)
         self._goal = GoalInput(_FRESH, refusals)
         self._hands = bus.ring(topics.HAND, _AT_ONCE)
-        self._goals = [bus.ring(key, _AT_ONCE) for key in topics.GOALS]
+        self._goals = [bus.ring(topic.key, _AT_ONCE) for topic in topics.STANDARD.percepts["goal"]]
         bus.watch_alive(self._on_token)
         bus.listen(topics.EVERY_DIAG, self._on_diag)
 
@@ -113,7 +112,7 @@ class Watcher:
         return self._bus.ask(topics.FAULT, text.encode(), timeout)
 
 
-def goal_at(goal: GoalMessage, t: float) -> Numbers:
+def goal_at(goal: GoalMessage, t: float) -> Position:
     """Return where the goal is at plant time `t` [s]: x, y, z [m] in the world."""
     moving = min(max(t, goal.since), goal.until) - goal.since
     return tuple(p + v * moving for p, v in zip(goal.position, goal.velocity, strict=True))

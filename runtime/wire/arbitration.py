@@ -4,9 +4,8 @@ from collections.abc import Callable
 from typing import Generic
 
 from runtime.wire import topics
-from runtime.wire.fields import MessageError
 from runtime.wire.messages import GoalMessage, M, unpack
-from runtime.wire.refusals import Reason, Refusals
+from runtime.wire.refusals import MessageError, Reason, Refusals
 
 SOURCES_KEPT = 32
 LEAP = 10_000

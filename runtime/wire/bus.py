@@ -21,6 +21,7 @@ from runtime.wire.messages import Message, stamped
 from runtime.wire.samples import Sample, data_of, reader
 from runtime.wire.security import Credentials
 from runtime.wire.session import config
+from runtime.wire.topics import Topic
 from runtime.wire.zenoh_internals.callbacks import CallbackSubscriber, SampleQueue, direct_callback
 
 _LINGER = 0.1  # [s] that an answer has to leave before the bus is closed: closing drops what waits
@@ -145,13 +146,16 @@ class Bus:
             on_sample.close()
         self._session.close()  # type: ignore[no-untyped-call] # an omission in zenoh's stubs
 
-    def publisher(self, key: str, *, urgent: bool = True, express: bool = True) -> Publisher:
-        """Return what sends on `key`.
+    def publisher(self, key: str, topic: Topic | None = None) -> Publisher:
+        """Return what publishes on `key`.
 
-        urgent: it closes the control loop, and goes before all else
-        express: it goes at once, and takes along what was sent before it; without, it may wait
-            for that a moment
+        Args:
+            key: One key, without wildcards.
+            topic: Its row of the contract, which says how it is sent; by default that of the
+                standard contract.
         """
+        topic = topic or topics.STANDARD.topic_of(key)
+        urgent, express = (topic.urgent, topic.express) if topic else (True, True)
         publisher = self._session.declare_publisher(
             key,
             congestion_control=zenoh.CongestionControl.DROP,

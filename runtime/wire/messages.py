@@ -1,198 +1,193 @@
-"""The messages of the wire contract: what they hold, and how they travel as msgpack maps.
+"""The messages of the wire contract: typed structs that travel as msgpack maps.
 
-One table says every field of every message; what packs and unpacks is made of it. A message
-that `unpack` returns is sound: the right types and lengths, finite, within bounds.
+`msgpack` packs and unpacks; `msgspec` checks types, lengths and ranges against the annotations.
+A message that `unpack` returns is sound: the right types and lengths, finite, within bounds.
 """
 
-from collections.abc import Mapping
-from typing import Any, NamedTuple, TypeVar
+import math
+from collections.abc import Iterable, Mapping
+from typing import Annotated, Any, NamedTuple, TypeVar
 
 import msgpack
+from msgspec import Meta, Struct, ValidationError, convert, field, to_builtins
 
-from runtime.wire.codec import reader, writer
-from runtime.wire.fields import (
-    MOST_JOINTS,
-    Field,
-    MessageError,
-    Numbers,
-    Spread,
-    count,
-    counts_by_key,
-    number,
-    numbers_or_nil,
-    spread,
-    spreads,
-    text,
-    three_numbers,
-    unit_quaternion,
-    with_nil,
-)
-from runtime.wire.refusals import Reason
+from runtime.wire.refusals import MessageError, Reason
 
 LARGEST = 16 * 1024
 """Size of the largest message of any kind [bytes]."""
+LIMIT = 1e9
+"""No quantity of ours is larger, whatever its SI unit: 30 years, or twice to the moon."""
+MOST_NUMBERS = 64
+"""The longest array: numbers of one field, so joints of one robot."""
 _LONGEST_TEXT = 1024
 _MOST_ENTRIES = 80
 
 
-class EndEffectorPose(NamedTuple):
-    """Where an external localiser sees the grip point, in the world at plant time t [s].
+def number(unit: str) -> Meta:
+    """Return the bounds of a number, with its SI unit ("" if it has none) for the documentation.
 
-    position: x, y, z [m]
-    orientation: unit quaternion x, y, z, w
+    They hold for what arrives: NaN and infinities are outside of these bounds too.
+    """
+    return Meta(ge=-LIMIT, le=LIMIT, extra={"unit": unit})
+
+
+Number = Annotated[float, number("")]
+Seconds = Annotated[float, number("s")]
+Metres = Annotated[float, number("m")]
+MetresPerSecond = Annotated[float, number("m/s")]
+Radians = Annotated[float, number("rad")]
+RadiansPerSecond = Annotated[float, number("rad/s")]
+Count = Annotated[int, Meta(ge=0, le=2**63 - 1)]
+_three, _four = Meta(min_length=3, max_length=3), Meta(min_length=4, max_length=4)
+Position = Annotated[tuple[Metres, ...], _three]
+Velocity = Annotated[tuple[MetresPerSecond, ...], _three]
+Quaternion = Annotated[tuple[Number, ...], _four]
+_any_length = Meta(min_length=1, max_length=MOST_NUMBERS)
+
+
+class Stamp(Struct, frozen=True, gc=False, kw_only=True):
+    """Which message of which process it is (rule 4): incarnation `by` counts up `n`."""
+
+    by: Count = 0
+    n: Count = 0
+
+
+class Message(Stamp, frozen=True, gc=False):
+    """What all messages have: the plant time `t` [s] that they are of, and a stamp."""
+
+    t: Seconds
+
+    def check(self) -> None:
+        """Raise `MessageError` for what the types alone do not say."""
+
+    def percept(self) -> Any:
+        """Return what an agent gets of it, if it has no place of its own among the percepts."""
+        return self
+
+
+M = TypeVar("M", bound=Message)
+
+
+class EndEffectorPose(Message, frozen=True, gc=False):
+    """Where an external localiser sees the grip point in the world.
+
+    Attributes:
+        position: x, y, z.
+        orientation: Unit quaternion x, y, z, w.
     """
 
-    t: float
-    position: Numbers
-    orientation: Numbers
-    by: int = 0
-    n: int = 0
+    position: Position
+    orientation: Quaternion
+
+    def check(self) -> None:
+        """Refuse what is no rotation."""
+        x, y, z, w = self.orientation
+        if not abs(x * x + y * y + z * z + w * w - 1) < 1e-3:
+            raise MessageError(Reason.NOT_UNIT, f"orientation is {self.orientation}")
 
 
-class JointStates(NamedTuple):
-    """What the encoders say at plant time t [s]; NaN where one is lost (nil on the wire).
+class JointStates(Message, frozen=True, gc=False):
+    """What the encoders say, one number a joint; None where one is lost (`nil` on the wire)."""
 
-    position: one a joint [rad]
-    velocity: one a joint [rad/s]
+    position: Annotated[tuple[Radians | None, ...], _any_length]
+    velocity: Annotated[tuple[RadiansPerSecond | None, ...], _any_length]
+
+    def check(self) -> None:
+        """Refuse different numbers of joints."""
+        if len(self.position) != len(self.velocity):
+            detail = f"{len(self.position)} positions and {len(self.velocity)} velocities"
+            raise MessageError(Reason.WRONG_LENGTH, detail)
+
+
+class JointCommand(Message, frozen=True, gc=False):
+    """The velocity that a joint agent wants, in answer to the state of plant time `t`."""
+
+    velocity: RadiansPerSecond
+
+
+class PlatformPose(Message, frozen=True, gc=False):
+    """Where the platform is in the world."""
+
+    x: Metres
+    y: Metres
+    heading: Radians
+
+
+class PlatformCommand(Message, frozen=True, gc=False):
+    """The velocity that the platform agent wants, in answer to the state of plant time `t`."""
+
+    linear: MetresPerSecond
+    angular: RadiansPerSecond
+
+
+class GoalMessage(Message, frozen=True, gc=False):
+    """A piece of path: the goal's position at plant time `since`, and its velocity.
+
+    It stands still from plant time `until` on.
     """
 
-    t: float
-    position: Numbers
-    velocity: Numbers
-    by: int = 0
-    n: int = 0
+    position: Position
+    velocity: Velocity
+    since: Seconds = field(name="from")
+    until: Seconds
 
 
-class JointCommand(NamedTuple):
-    """The velocity [rad/s] that a joint agent wants, in answer to the state of plant time t [s]."""
+class Spread(NamedTuple):
+    """How long something takes: the median, the 99th percentile and the longest."""
 
-    t: float
-    velocity: float
-    by: int = 0
-    n: int = 0
-
-
-class PlatformPose(NamedTuple):
-    """Where the platform is in the world at plant time t [s]: x, y [m], heading [rad]."""
-
-    t: float
-    x: float
-    y: float
-    heading: float
-    by: int = 0
-    n: int = 0
+    median: Seconds
+    most: Seconds
+    worst: Seconds
 
 
-class PlatformCommand(NamedTuple):
-    """What the platform agent wants: linear [m/s] and angular [rad/s] speed, answering t [s]."""
-
-    t: float
-    linear: float
-    angular: float
-    by: int = 0
-    n: int = 0
-
-
-class GoalMessage(NamedTuple):
-    """A piece of path: the goal's position [m] at plant time `since` [s], its velocity [m/s].
-
-    It stands still from plant time `until` [s] on.
-    """
-
-    t: float
-    position: Numbers
-    velocity: Numbers
-    since: float
-    until: float
-    by: int = 0
-    n: int = 0
-
-
-class Diag(NamedTuple):
+class Diag(Message, frozen=True, gc=False):
     """How a process is, for people and tools to see.
 
-    state: in a word or a few what it is doing
-    rate: turns of its loop a second [Hz]
-    work: time that one turn takes [s]
-    answers: plant only: role to the time its answers take [s]
-    refused: key to reason to how many messages
-    perception: what an agent goes by
-    run: the folder of its log; deployment: the file it was started with
-    version: of MSMA; clock: its host's time of day [us since 1970], which decides nothing
+    Attributes:
+        state: What it is doing, in a few words.
+        rate: Turns of its loop a second.
+        work: How long one turn takes.
+        answers: Plant only: role to how long its answers take.
+        refused: Key to reason to the number of messages.
+        perception: What an agent goes by.
+        run: The folder of its log.
+        deployment: The file it was started with.
+        version: Of MSMA.
+        clock: Its host's time of day [us since 1970], which decides nothing.
     """
 
-    t: float
     role: str
     host: str
-    pid: int
+    pid: Count
     state: str
-    rate: float
+    rate: Annotated[float, number("Hz")]
     work: Spread
     answers: Mapping[str, Spread]
-    refused: Mapping[str, Mapping[str, int]]
+    refused: Mapping[str, Mapping[str, Count]]
     perception: str
     run: str
     deployment: str
     version: str
-    clock: int
-    by: int = 0
-    n: int = 0
+    clock: Count
+
+    def check(self) -> None:
+        """Refuse texts that could play tricks on a terminal."""
+        check_printable(self.role, self.host, self.state, self.perception, self.run)
+        check_printable(self.deployment, self.version, *self.answers, *self.refused)
+        for reasons in self.refused.values():
+            check_printable(*reasons)
 
 
-Message = (
-    EndEffectorPose
-    | JointStates
-    | JointCommand
-    | PlatformPose
-    | PlatformCommand
-    | GoalMessage
-    | Diag
-)
-M = TypeVar("M", bound=Message)
+def nil_for_nan(numbers: Iterable[float]) -> tuple[float | None, ...]:
+    """Return numbers as they travel, where None stands for one that is lost."""
+    return tuple([None if one != one else one for one in numbers])
 
 
-_T, _BY, _N = Field("t", number), Field("by", count), Field("n", count)
-
-
-def _fields(*own: Field) -> tuple[Field, ...]:
-    return (_T, *own, _BY, _N)
-
-
-FIELDS: Mapping[type[Any], tuple[Field, ...]] = {
-    EndEffectorPose: _fields(
-        Field("position", three_numbers), Field("orientation", unit_quaternion)
-    ),
-    JointStates: _fields(
-        Field("position", numbers_or_nil, with_nil), Field("velocity", numbers_or_nil, with_nil)
-    ),
-    JointCommand: _fields(Field("velocity", number)),
-    PlatformPose: _fields(Field("x", number), Field("y", number), Field("heading", number)),
-    PlatformCommand: _fields(Field("linear", number), Field("angular", number)),
-    GoalMessage: _fields(
-        Field("position", three_numbers),
-        Field("velocity", three_numbers),
-        Field("from", number),
-        Field("until", number),
-    ),
-    Diag: _fields(
-        Field("role", text),
-        Field("host", text),
-        Field("pid", count),
-        Field("state", text),
-        Field("rate", number),
-        Field("work", spread),
-        Field("answers", spreads),
-        Field("refused", counts_by_key),
-        Field("perception", text),
-        Field("run", text),
-        Field("deployment", text),
-        Field("version", text),
-        Field("clock", count),
-    ),
-}
-"""What each kind of message holds, in the order of its class."""
-_READ = {kind: reader(kind, fields) for kind, fields in FIELDS.items()}
-_WRITE = {kind: writer(fields) for kind, fields in FIELDS.items()}
+def check_printable(*texts: str) -> None:
+    """Raise `MessageError` unless each text can be shown on a terminal without harm."""
+    for text in texts:
+        if not text.isprintable():
+            raise MessageError(Reason.WRONG_TYPE, f"wanted a printable text, got {text[:100]!r}")
 
 
 def pack(message: Message) -> bytes:
@@ -202,12 +197,19 @@ def pack(message: Message) -> bytes:
 
 def stamped(message: Message, by: int, n: int) -> bytes:
     """Return the message as it travels, as the `n`th of incarnation `by` whatever it says."""
-    packed: bytes = msgpack.packb(_WRITE[type(message)](message, by, n))
+    wire = to_builtins(message, enc_hook=_plain)
+    wire["by"], wire["n"] = by, n
+    packed: bytes = msgpack.packb(wire)
     return packed
 
 
-def unpack(kind: type[M], data: bytes) -> M:
-    """Return the message of that kind in `data`, or raise `MessageError`. More fields are fine."""
+def _plain(value: Any) -> Any:
+    """Return what NumPy made of a number or numbers as Python's own."""
+    return value.tolist()
+
+
+def unpack_map(data: bytes) -> dict[Any, Any]:
+    """Return the msgpack map in `data`, of bounded size, or raise `MessageError`."""
     if len(data) > LARGEST:
         raise MessageError(Reason.TOO_LARGE, f"more than {LARGEST} bytes")
     try:
@@ -216,7 +218,7 @@ def unpack(kind: type[M], data: bytes) -> M:
             max_ext_len=0,
             max_bin_len=0,
             max_str_len=_LONGEST_TEXT,
-            max_array_len=MOST_JOINTS,
+            max_array_len=MOST_NUMBERS,
             max_map_len=_MOST_ENTRIES,
         )
     except Exception as error:  # whatever a codec makes of what a stranger sends
@@ -224,13 +226,35 @@ def unpack(kind: type[M], data: bytes) -> M:
         raise MessageError(reason, str(error) or type(error).__name__) from None
     if type(wire) is not dict:
         raise MessageError(Reason.NOT_A_MAP, f"it is {type(wire).__name__}")
+    return wire
+
+
+def unpack(kind: type[M], data: bytes) -> M:
+    """Return the message of that kind in `data`, or raise `MessageError`. More fields are fine."""
+    wire = unpack_map(data)
+    if "by" not in wire or "n" not in wire:  # a message of our own is stamped when it is sent
+        raise MessageError(Reason.MISSING, "it needs the fields `by` and `n`")
     try:
-        message: M = _READ[kind](wire)
-    except KeyError as error:
-        raise MessageError(Reason.MISSING, f"there is no {error}") from None
-    if isinstance(message, JointStates) and len(message.position) != len(message.velocity):
-        raise MessageError(
-            Reason.WRONG_LENGTH,
-            f"{len(message.position)} positions and {len(message.velocity)} velocities",
-        )
+        message = convert(wire, kind)
+    except ValidationError as error:
+        raise MessageError(_reason(str(error), wire), str(error)) from None
+    message.check()
     return message
+
+
+def _reason(error: str, wire: Mapping[Any, Any]) -> Reason:
+    """Return the reason for a refusal, by the words of msgspec."""
+    said = error.partition(" - at ")[0]
+    if said.startswith("Object missing"):
+        return Reason.MISSING
+    if " of length " in said:
+        return Reason.WRONG_LENGTH
+    if "` >= " in said or "` <= " in said:
+        return Reason.OUT_OF_RANGE if _is_finite(wire) else Reason.NOT_FINITE
+    return Reason.WRONG_TYPE
+
+
+def _is_finite(wire: Mapping[Any, Any]) -> bool:
+    """Tell whether all numbers of the fields are finite."""
+    values = (one for each in wire.values() for one in (each if type(each) is list else (each,)))
+    return all(math.isfinite(one) for one in values if type(one) is float)

@@ -3,6 +3,8 @@
 from collections.abc import Callable
 from enum import StrEnum
 
+from plant.errors import MsmaError
+
 UNKNOWN_KEYS = "(unknown keys)"
 """Stands for all keys that are none of ours: what strangers make up is not repeated."""
 REASONS_KEPT = 16
@@ -24,6 +26,15 @@ class Reason(StrEnum):
     UNKNOWN_KEY = "unknown key"
     LATE = "late"
     OVER_LIMIT = "over limit, clamped"
+
+
+class MessageError(MsmaError, ValueError):
+    """A message that cannot be used: the reason to count, and the detail for the log."""
+
+    def __init__(self, reason: Reason, detail: str) -> None:
+        super().__init__(f"{reason}: {detail}")
+        self.reason = reason
+        self.detail = detail
 
 
 def say_nothing(key: str, reason: str, detail: str) -> None:

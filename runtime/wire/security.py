@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from runtime.wire import topics
+from runtime.wire.topics import STANDARD, Contract
 
 OPERATOR = "operator"
 """The name in the certificate of who commands the robot: the launcher and all tools."""
@@ -23,11 +24,13 @@ class Credentials(NamedTuple):
     folder: where certificates and private keys are
     name: the name in its own certificate: its role, or `OPERATOR`
     roles: the robot's roles; who has another name has no rights
+    contract: the robot's topics
     """
 
     folder: Path
     name: str
     roles: tuple[str, ...]
+    contract: Contract = STANDARD
 
     @property
     def authority(self) -> Path:
@@ -72,8 +75,8 @@ def encryption(credentials: Credentials) -> dict[str, Any]:
     }
 
 
-def access_list(robot: str, roles: Sequence[str]) -> dict[str, Any]:
-    """Return Zenoh's access control of a robot with these roles.
+def access_list(robot: str, roles: Sequence[str], contract: Contract = STANDARD) -> dict[str, Any]:
+    """Return Zenoh's access control of a robot with these roles and topics.
 
     Nothing is allowed but this. To everybody with a name goes what he asks for. Of what comes:
 
@@ -94,7 +97,7 @@ def access_list(robot: str, roles: Sequence[str]) -> dict[str, Any]:
     rules.allow([OPERATOR], "ingress", ("put",), topics.GOAL)
     for role in roles:
         answers = (topics.controls(role), topics.diag(role))
-        rules.allow([role], "ingress", ("put",), *topics.told_by(role), topics.diag(role))
+        rules.allow([role], "ingress", ("put",), *contract.keys_of(role))
         rules.allow([role], "ingress", ("liveliness_token",), topics.alive_in(role))
         rules.allow([role], "ingress", ("declare_queryable", "reply"), *answers)
     return {

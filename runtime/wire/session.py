@@ -59,7 +59,7 @@ def config(
     if credentials is not None and robot is not None:
         protocol, encrypted = "tls", encryption(credentials)
         patience = patience._replace(open=_TLS_OPEN)
-        listed = {"access_control": access_list(robot, credentials.roles)}
+        listed = {"access_control": access_list(robot, credentials.roles, credentials.contract)}
     return zenoh.Config.from_json5(
         json.dumps(
             {

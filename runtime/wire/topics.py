@@ -1,10 +1,15 @@
-"""The key expressions of the wire contract, and the names of roles in keys and files.
+"""The wire contract: one table of all topics, from which everything else about them is derived.
 
-All keys are below the robot's name, which the session adds as its Zenoh namespace.
+Subscriptions, percepts, access lists, `msma echo` and docs/wire.md follow from it. All keys are
+below the robot's name, which the session adds as its Zenoh namespace.
 """
 
 import re
+from collections.abc import Iterable, Mapping
+from functools import lru_cache
+from typing import NamedTuple
 
+from plant.errors import MsmaError
 from runtime.wire.messages import (
     Diag,
     EndEffectorPose,
@@ -16,24 +21,126 @@ from runtime.wire.messages import (
     PlatformPose,
 )
 
+PLANT, GOAL_SOURCE, PLATFORM_AGENT = "plant", "goal", "platform"
+
 HAND = "arm/ee_pose"
 JOINTS = "arm/joint_states"
 PLATFORM = "platform/pose"
+JOINT_COMMANDS = "arm/joint/*/cmd"
 PLATFORM_COMMAND = "platform/cmd"
 GOAL = "goal"
 KNOWN_GOAL = "goal/known"
-"""What the plant last heard of the goal, told again for who comes after its source has gone."""
-GOALS = (GOAL, KNOWN_GOAL)
-FAULT = "ctl/plant/fault"
-EVERYBODY_ALIVE = "alive/**"
 EVERY_DIAG = "diag/**"
-EVERY_CONTROL = "ctl/**"
 
-PLANT, GOAL_SOURCE, PLATFORM_AGENT = "plant", "goal", "platform"
+
+class Topic(NamedTuple):
+    """One row of the wire contract.
+
+    Attributes:
+        key: Key expression; a wildcard stands for the number or name of the publishing role.
+        message: What is published on it.
+        publisher: The role that may publish on it, with the same wildcard.
+        percept: What an agent asks for it by in its `sees`; None if it is nothing to perceive.
+        rate: How often it is published, in words.
+        urgent: It closes the control loop and goes before everything else.
+        express: It goes at once and takes along what was sent before it; without, it may wait for
+            the next one that is express.
+        recorded: Whether it belongs in a recording of a run.
+        fresh: For how long after its arrival it is worth perceiving [s]; None if that follows from
+            the control period.
+    """
+
+    key: str
+    message: type[Message]
+    publisher: str
+    percept: str | None = None
+    rate: str = "each period"
+    urgent: bool = True
+    express: bool = True
+    recorded: bool = True
+    fresh: float | None = None
+
+    def key_of(self, role: str) -> str | None:
+        """Return the key on which a role publishes it; None if that role does not."""
+        match = re.fullmatch(_pattern(self.publisher), role)
+        if match is None:
+            return None
+        return re.sub(r"\*+", match[1], self.key) if match.groups() else self.key
+
+
+TOPICS = (
+    Topic(HAND, EndEffectorPose, PLANT, "hand", express=False),
+    Topic(JOINTS, JointStates, PLANT, "joints"),
+    Topic(PLATFORM, PlatformPose, PLANT, "base", express=False),
+    Topic(JOINT_COMMANDS, JointCommand, "joint/*", rate="answers each state"),
+    Topic(PLATFORM_COMMAND, PlatformCommand, PLATFORM_AGENT, rate="answers each state"),
+    Topic(GOAL, GoalMessage, GOAL_SOURCE, "goal", rate="each period, at most 100 Hz"),
+    Topic(KNOWN_GOAL, GoalMessage, PLANT, "goal", "at most 20 Hz", express=False, recorded=False),
+    Topic(EVERY_DIAG, Diag, "**", rate="1 Hz", urgent=False, express=False),
+)
+"""The topics of every robot."""
+
+
+class ContractError(MsmaError, ValueError):
+    """A topic that cannot be added: it says which, and why."""
+
+
+class Contract:
+    """The topics of one robot: those of every robot, and what its own plant and nodes add.
+
+    Attributes:
+        topics: All rows.
+        percepts: What agents can ask for, each with its topics.
+    """
+
+    def __init__(self, own: Iterable[Topic] = ()) -> None:
+        """Add `own` topics, or raise `ContractError`."""
+        self.topics: tuple[Topic, ...] = TOPICS
+        for topic in own:
+            self._check(topic)
+            self.topics += (topic,)
+        self.percepts: Mapping[str, tuple[Topic, ...]] = {
+            name: tuple(topic for topic in self.topics if topic.percept == name)
+            for name in dict.fromkeys(topic.percept for topic in self.topics)
+            if name is not None
+        }
+
+    def _check(self, topic: Topic) -> None:
+        if not re.fullmatch(r"[a-z][a-z0-9_]*(/[a-z0-9_]+)*", topic.key):
+            what = "a key is lower-case words with / between them, such as arm/force"
+            raise ContractError(f"topic {topic.key!r}: {what}")
+        if topic.key.partition("/")[0] in ("alive", "ctl", "diag") or self.topic_of(topic.key):
+            raise ContractError(f"topic {topic.key!r}: the wire contract has that key already")
+        if topic.percept is not None and any(topic.percept == each.percept for each in self.topics):
+            raise ContractError(
+                f"topic {topic.key!r}: there is a percept {topic.percept!r} already"
+            )
+
+    def topic_of(self, key: str) -> Topic | None:
+        """Return the topic that a key belongs to; None if the contract has no such key."""
+        return next((row for row in self.topics if re.fullmatch(_pattern(row.key), key)), None)
+
+    def keys_of(self, role: str) -> tuple[str, ...]:
+        """Return all keys that a role publishes on."""
+        keys = (topic.key_of(role) for topic in self.topics)
+        return tuple(key for key in keys if key is not None)
+
+
+@lru_cache
+def _pattern(expression: str) -> str:
+    """Return the regular expression of a key expression: `*` is a number, `**` a role's name."""
+    escaped = re.escape(expression)
+    return escaped.replace(r"\*\*", rf"({_ROLE})").replace(r"\*", "([0-9]+)")
+
 
 _ROLE = r"[a-z][a-z0-9_-]*(?:/[0-9]+)?"
 _ALIVE = re.compile(rf"alive/({_ROLE})/([0-9a-f]{{1,16}})")
-_COMMAND = re.compile(r"arm/joint/[0-9]+/cmd")
+STANDARD = Contract()
+"""The contract of a robot whose plant and nodes add no topics."""
+
+FAULT = "ctl/plant/fault"
+EVERYBODY_ALIVE = "alive/**"
+EVERY_CONTROL = "ctl/**"
 
 
 def is_role(name: str) -> bool:
@@ -90,34 +197,3 @@ def stop(role: str) -> str:
 def controls(role: str) -> str:
     """Return the key expression of all that can be asked of a role."""
     return f"ctl/{role}/*"
-
-
-def told_by(role: str) -> tuple[str, ...]:
-    """Return the keys that are a role's to put on, beside its diag."""
-    name, _, number = role.partition("/")
-    if number:
-        return (joint_command(int(number)),)
-    return {
-        PLANT: (HAND, JOINTS, PLATFORM, KNOWN_GOAL),
-        GOAL_SOURCE: (GOAL,),
-        PLATFORM_AGENT: (PLATFORM_COMMAND,),
-    }[name]
-
-
-def kind_of(key: str) -> type[Message] | None:
-    """Return the kind of message that belongs on a key; None if the contract has no such key."""
-    if _COMMAND.fullmatch(key):
-        return JointCommand
-    if key.startswith("diag/"):
-        return Diag
-    return _KINDS.get(key)
-
-
-_KINDS: dict[str, type[Message]] = {
-    HAND: EndEffectorPose,
-    JOINTS: JointStates,
-    PLATFORM: PlatformPose,
-    PLATFORM_COMMAND: PlatformCommand,
-    GOAL: GoalMessage,
-    KNOWN_GOAL: GoalMessage,
-}

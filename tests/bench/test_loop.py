@@ -54,14 +54,14 @@ BY, N, T = 1 << 62, 1000, 1.234
 def test_the_echo_sends_messages_as_large_as_ours() -> None:
     three, four, six = (0.1, 0.1, 0.1), (0.5,) * 4, (0.1,) * 6
     ours: dict[str, Message] = {
-        topics.PLATFORM: PlatformPose(T, 0.1, 0.1, 0.1, BY, N),
-        topics.HAND: EndEffectorPose(T, three, four, BY, N),
-        topics.JOINTS: JointStates(T, six, six, BY, N),
+        topics.PLATFORM: PlatformPose(T, 0.1, 0.1, 0.1, by=BY, n=N),
+        topics.HAND: EndEffectorPose(T, three, four, by=BY, n=N),
+        topics.JOINTS: JointStates(T, six, six, by=BY, n=N),
     }
     assert {key: len(pack(told)) for key, told in ours.items()} == STATES
-    assert len(pack(JointCommand(T, 0.1, BY, N))) == JOINT_COMMAND_SIZE
-    assert len(pack(PlatformCommand(T, 0.1, 0.1, BY, N))) == PLATFORM_COMMAND_SIZE
-    assert len(pack(GoalMessage(T, three, three, 0.1, 24.0, BY, N))) == GOAL_SIZE
+    assert len(pack(JointCommand(T, 0.1, by=BY, n=N))) == JOINT_COMMAND_SIZE
+    assert len(pack(PlatformCommand(T, 0.1, 0.1, by=BY, n=N))) == PLATFORM_COMMAND_SIZE
+    assert len(pack(GoalMessage(T, three, three, 0.1, 24.0, by=BY, n=N))) == GOAL_SIZE
     assert [command_key(role) for role in AGENTS] == [
         *(topics.joint_command(number) for number in range(1, 7)), topics.PLATFORM_COMMAND,
     ]  # fmt: skip

@@ -25,12 +25,12 @@ class Plant:
 
     def hears(self, joint: int, velocity: float, at: float, by: int = 7) -> bool:
         self._n += 1
-        data = pack(JointCommand(0.5, velocity, by, self._n))
+        data = pack(JointCommand(0.5, velocity, by=by, n=self._n))
         return self.orders.take(Sample(topics.joint_command(joint), data), at) is not None
 
     def platform_hears(self, linear: float, angular: float, at: float) -> None:
         self._n += 1
-        data = pack(PlatformCommand(0.5, linear, angular, 7, self._n))
+        data = pack(PlatformCommand(0.5, linear, angular, by=7, n=self._n))
         assert self.orders.take(Sample(topics.PLATFORM_COMMAND, data), at) is not None
 
     def joints(self, at: float) -> list[float]:
@@ -56,7 +56,7 @@ def test_a_command_moves_its_joint_and_no_other(plant: Plant) -> None:
 
 
 def test_the_platform_is_told_both_of_its_speeds(plant: Plant) -> None:
-    data = pack(PlatformCommand(0.5, 0.1, -0.2, 7, 1))
+    data = pack(PlatformCommand(0.5, 0.1, -0.2, by=7, n=1))
     answered = plant.orders.take(Sample(topics.PLATFORM_COMMAND, data), 1.0)
     assert answered == ("platform", 0.5)
     assert plant.orders.commands_at(1.0)[0].base == pytest.approx(np.array([0.1, -0.2]))
@@ -142,5 +142,5 @@ def test_noise_on_one_joint_leaves_its_last_command_in_force(plant: Plant) -> No
 
 
 def test_the_role_and_the_state_that_it_answers_are_told(plant: Plant) -> None:
-    data = pack(JointCommand(0.42, 0.1, 7, 1))
+    data = pack(JointCommand(0.42, 0.1, by=7, n=1))
     assert plant.orders.take(Sample(topics.joint_command(4), data), 1.0) == ("joint/4", 0.42)

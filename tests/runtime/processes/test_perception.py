@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from agents.agent import Percepts
 from plant import urdf
@@ -69,7 +70,7 @@ def test_all_that_is_fresh_is_perceived(agent: Agent) -> None:
 
 def test_a_newcomer_perceives_the_goal_that_the_plant_knows(agent: Agent) -> None:
     agent.hears(STATES, at=10.0)
-    assert not agent.senses.take(Sample(topics.KNOWN_GOAL, pack(GOAL._replace(n=1))), 10.0)
+    assert not agent.senses.take(Sample(topics.KNOWN_GOAL, pack(replace(GOAL, n=1))), 10.0)
     goal = agent.sees(10.1).goal
     assert goal is not None
     assert goal.at(2.5) == pytest.approx([1.0, 2.0, 3.2])
@@ -91,7 +92,7 @@ def test_a_goal_is_perceived_however_old_it_is(agent: Agent) -> None:
 
 
 def test_an_operator_moves_the_goal_and_gives_it_back_by_falling_silent(agent: Agent) -> None:
-    other = GOAL._replace(position=(9.0, 9.0, 9.0))
+    other = replace(GOAL, position=(9.0, 9.0, 9.0))
     for tick in range(20):
         agent.hears(GOAL, at=tick * 0.06)
         if 5 <= tick < 10:
@@ -137,7 +138,7 @@ def test_strange_keys_are_counted(agent: Agent) -> None:
 def test_what_belongs_to_one_moment_is_perceived_together(agent: Agent) -> None:
     for t, at in ((1.0, 10.0), (1.06, 10.06)):
         agent.hears(PlatformPose(t, -0.15 + t, 0.0, 0.5), at)
-        agent.hears(STATES._replace(t=t), at)
+        agent.hears(replace(STATES, t=t), at)
     agent.hears(PlatformPose(1.12, 9.0, 0.0, 0.5), 10.12)  # the joints of 1.12 s are still to come
     percepts = agent.sees(10.12)
     assert percepts.t == 1.06
@@ -158,7 +159,7 @@ def test_of_another_process_no_older_word_is_taken(agent: Agent) -> None:
 def test_without_joint_states_every_sight_of_the_hand_counts(agent: Agent) -> None:
     for tick in range(3):
         at = 10 + 0.02 * tick
-        assert agent.hears(POSE._replace(t=0.02 * tick), at)
+        assert agent.hears(replace(POSE, t=0.02 * tick), at)
         assert agent.sees(at).hand is not None
 
 
@@ -166,9 +167,9 @@ def test_nonsense_does_not_take_the_place_of_the_hand(agent: Agent) -> None:
     for tick in range(4):
         t, at = 0.02 * tick, 10 + 0.02 * tick
         agent.senses.take(Sample(topics.HAND, b"nonsense"), at)
-        agent.hears(POSE._replace(t=t), at)
+        agent.hears(replace(POSE, t=t), at)
         agent.senses.take(Sample(topics.HAND, b"nonsense"), at)
-        agent.hears(STATES._replace(t=t), at)
+        agent.hears(replace(STATES, t=t), at)
         percepts = agent.sees(at)
         assert percepts.t == t
         assert percepts.hand is not None

@@ -267,9 +267,9 @@ def test_a_lost_encoder_leaves_the_others_sighted(processes: ProcessGroup) -> No
 
     def look() -> JointStates | None:
         states = unpack(JointStates, ring.recv().data)
-        return states if math.isnan(states.position[1]) else None
+        return states if states.position[1] is None else None
 
-    assert math.isfinite(wait_for(look, "a lost encoder").position[0])
+    assert wait_for(look, "a lost encoder").position[0] is not None
 
 
 def test_who_hears_no_joint_states_goes_by_the_hand_alone(processes: ProcessGroup) -> None:

@@ -5,6 +5,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
+from msgspec.structs import replace
 
 from runtime import VERSION
 from runtime.config.deployment import load
@@ -12,8 +13,7 @@ from runtime.config.overrides import Override
 from runtime.doctor.machine import Grade
 from runtime.doctor.network import Health, check_hosts, check_robot, check_running
 from runtime.watching.discovery import Target
-from runtime.wire.fields import Spread
-from runtime.wire.messages import Diag
+from runtime.wire.messages import Diag, Spread
 from tests.runtime.conftest import ROOT, Robot, wait_for
 
 FILE = "arph-hosts.yaml"
@@ -70,7 +70,7 @@ def diag(role: str = "plant", host: str = "here", **changes: Any) -> Health:
         clock=0,
     )
     offset, error = changes.pop("offset", 0.0), changes.pop("error", 0.001)
-    return Health(said._replace(**changes), offset, error)
+    return Health(replace(said, **changes), offset, error)
 
 
 @pytest.mark.parametrize(

@@ -4,11 +4,11 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
+from msgspec.structs import replace
 
 from runtime.watching.roster import Roster, order
 from runtime.wire import topics
-from runtime.wire.fields import Spread
-from runtime.wire.messages import Diag
+from runtime.wire.messages import Diag, Spread
 
 A, B = 0xAA, 0xBB
 Act = Callable[[Roster], None]
@@ -24,10 +24,9 @@ def went(at: float, role: str = "joint/1", by: int = A) -> Act:
 
 def diag(role: str = "joint/1", by: int = A, **changes: Any) -> Diag:
     none = Spread(0.0, 0.0, 0.0)
-    message = Diag(
-        1.0, role, "here", 42, "runs", 16.7, none, {}, {}, "auto", "/run", "a.yaml", "1", 0, by
-    )
-    return message._replace(**changes)
+    texts = ("auto", "/run", "a.yaml", "1")
+    message = Diag(1.0, role, "here", 42, "runs", 16.7, none, {}, {}, *texts, 0, by=by)
+    return replace(message, **changes)
 
 
 def after(*acts: Act) -> Roster:

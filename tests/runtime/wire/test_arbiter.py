@@ -23,7 +23,7 @@ class Told(NamedTuple):
 
 
 def hear(hearing: Arbiter[JointCommand], told: Told) -> Reason | None:
-    return hearing.hear(JointCommand(0.0, float(told.n), told.by, told.n), told.at)
+    return hearing.hear(JointCommand(0.0, float(told.n), by=told.by, n=told.n), told.at)
 
 
 def obeyed(hearing: Arbiter[JointCommand], now: float) -> tuple[int, int] | None:

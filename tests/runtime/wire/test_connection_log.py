@@ -16,9 +16,9 @@ from runtime.tls.certificates import Authority, write_keys
 from runtime.watching.local import diags
 from runtime.wire import topics
 from runtime.wire.bus import Bus, RingSubscriber
-from runtime.wire.fields import MessageError
 from runtime.wire.mesh import FIRST_COPY, LOOPBACK, on_loopback, port_base
 from runtime.wire.messages import Message, pack, unpack
+from runtime.wire.refusals import MessageError
 from runtime.wire.security import OPERATOR, Credentials, names
 from runtime.wire.zenoh_internals.connection_log import ACCESS_LIST, REJECTED_CONNECTIONS, Rejection
 from tests.runtime.conftest import Robot, wait_for
@@ -92,7 +92,7 @@ class Siege:
         seen = observer.sample_queue("**")
         for bus in self.outsiders.values():
             attack(bus, set(), 0.2)
-        attack(insider, {*topics.told_by(INSIDER), topics.alive(INSIDER, BY)}, 0.5)
+        attack(insider, {*topics.STANDARD.keys_of(INSIDER), topics.alive(INSIDER, BY)}, 0.5)
         self.seen = [(arrival.key, arrival.data) for _, arrival in seen.take()]
         self.alive = observer.who_is_alive()
         self.overheard = {kind: _strange(kind, ring) for kind, ring in rings.items()}
@@ -162,11 +162,11 @@ def _strange(kind: str, ring: RingSubscriber) -> list[str]:
 
 
 def _is_a_stranger_s(key: str, data: bytes) -> bool:
-    kind = topics.kind_of(key)
-    if kind is None:
+    topic = topics.STANDARD.topic_of(key)
+    if topic is None:
         return True
     with suppress(MessageError):
-        return unpack(kind, data).by == BY
+        return unpack(topic.message, data).by == BY
     return True
 
 

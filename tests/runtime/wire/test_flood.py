@@ -32,12 +32,12 @@ PATH_ENDS = 24.0  # [s]
 def samples(n: int) -> dict[str, Message]:
     """Return a sound message for each key."""
     return {
-        topics.HAND: EndEffectorPose(1.0, (0.2, -0.2, 0.8), (0.0, 0.0, 0.0, 1.0), 77, n),
-        topics.JOINTS: JointStates(1.0, (0.0,) * 6, (0.0,) * 6, 77, n),
-        topics.PLATFORM: PlatformPose(1.0, 0.0, 0.0, 0.0, 77, n),
-        topics.GOAL: GoalMessage(1.0, (0.3, 0.0, 0.5), (0.0, 0.0, 0.0), 0.0, 9.0, 77, n),
-        topics.PLATFORM_COMMAND: PlatformCommand(1.0, 0.1, 0.1, 77, n),
-        **{topics.joint_command(j): JointCommand(1.0, 0.1, 77, n) for j in range(1, 7)},
+        topics.HAND: EndEffectorPose(1.0, (0.2, -0.2, 0.8), (0.0, 0.0, 0.0, 1.0), by=77, n=n),
+        topics.JOINTS: JointStates(1.0, (0.0,) * 6, (0.0,) * 6, by=77, n=n),
+        topics.PLATFORM: PlatformPose(1.0, 0.0, 0.0, 0.0, by=77, n=n),
+        topics.GOAL: GoalMessage(1.0, (0.3, 0.0, 0.5), (0.0, 0.0, 0.0), 0.0, 9.0, by=77, n=n),
+        topics.PLATFORM_COMMAND: PlatformCommand(1.0, 0.1, 0.1, by=77, n=n),
+        **{topics.joint_command(j): JointCommand(1.0, 0.1, by=77, n=n) for j in range(1, 7)},
     }
 
 

@@ -51,7 +51,7 @@ HISTORIES: dict[str, tuple[list[Word], float | None]] = {
 def test_the_goal_that_counts(words: list[Word], obeyed: float | None) -> None:
     ear = GoalInput(FRESH, Refusals())
     for n, (at, key, by, t) in enumerate(words, start=1):
-        goal = GoalMessage(t, (1.0, 2.0, 3.0), (0.0, 0.0, 0.1), 0.0, 24.0, by, n)
+        goal = GoalMessage(t, (1.0, 2.0, 3.0), (0.0, 0.0, 0.1), 0.0, 24.0, by=by, n=n)
         ear.take(key, pack(goal), at)
     found = ear.obeyed(10.0)
     assert (found and found.t) == obeyed

@@ -6,10 +6,9 @@ import msgpack
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
+from msgspec.structs import fields, replace
 
-from runtime.wire.fields import MessageError, Spread
 from runtime.wire.messages import (
-    FIELDS,
     LARGEST,
     Diag,
     EndEffectorPose,
@@ -19,11 +18,13 @@ from runtime.wire.messages import (
     Message,
     PlatformCommand,
     PlatformPose,
+    Spread,
+    nil_for_nan,
     pack,
     stamped,
     unpack,
 )
-from runtime.wire.refusals import Reason
+from runtime.wire.refusals import MessageError, Reason
 
 numbers = st.floats(-1e9, 1e9)
 counts = st.integers(0, 2**63 - 1)
@@ -36,18 +37,20 @@ units = st.sampled_from([(0.0, 0.0, 0.0, 1.0), (0.5, -0.5, 0.5, -0.5), (0.6, 0.0
 def joint_states() -> st.SearchStrategy[JointStates]:
     def of(n: int) -> st.SearchStrategy[JointStates]:
         each = st.lists(numbers, min_size=n, max_size=n).map(tuple)
-        return st.builds(JointStates, numbers, each, each, counts, counts)
+        return st.builds(JointStates, numbers, each, each, by=counts, n=counts)
 
     return st.integers(1, 12).flatmap(of)
 
 
 MESSAGES: dict[type[Message], st.SearchStrategy[Any]] = {
-    EndEffectorPose: st.builds(EndEffectorPose, numbers, three, units, counts, counts),
+    EndEffectorPose: st.builds(EndEffectorPose, numbers, three, units, by=counts, n=counts),
     JointStates: joint_states(),
-    JointCommand: st.builds(JointCommand, numbers, numbers, counts, counts),
-    PlatformPose: st.builds(PlatformPose, numbers, numbers, numbers, numbers, counts, counts),
-    PlatformCommand: st.builds(PlatformCommand, numbers, numbers, numbers, counts, counts),
-    GoalMessage: st.builds(GoalMessage, numbers, three, three, numbers, numbers, counts, counts),
+    JointCommand: st.builds(JointCommand, numbers, numbers, by=counts, n=counts),
+    PlatformPose: st.builds(PlatformPose, numbers, numbers, numbers, numbers, by=counts, n=counts),
+    PlatformCommand: st.builds(PlatformCommand, numbers, numbers, numbers, by=counts, n=counts),
+    GoalMessage: st.builds(
+        GoalMessage, numbers, three, three, numbers, numbers, by=counts, n=counts
+    ),
     Diag: st.builds(
         Diag,
         numbers,
@@ -64,8 +67,8 @@ MESSAGES: dict[type[Message], st.SearchStrategy[Any]] = {
         words,
         words,
         counts,
-        counts,
-        counts,
+        by=counts,
+        n=counts,
     ),
 }
 COMMAND = {"t": 1.0, "velocity": 0.5, "by": 7, "n": 1}
@@ -79,13 +82,6 @@ def refusal(kind: type[Message], data: bytes) -> Reason:
     return caught.value.reason
 
 
-@pytest.mark.parametrize("kind", MESSAGES)
-def test_the_table_names_every_field_of_every_kind(kind: type[Message]) -> None:
-    renamed = ["since" if field.name == "from" else field.name for field in FIELDS[kind]]
-    assert sorted(renamed) == sorted(kind._fields)
-    assert kind._fields[-2:] == ("by", "n")
-
-
 @given(st.one_of(*MESSAGES.values()))
 def test_what_was_sent_arrives(message: Message) -> None:
     assert unpack(type(message), pack(message)) == message
@@ -93,7 +89,7 @@ def test_what_was_sent_arrives(message: Message) -> None:
 
 @given(st.one_of(*MESSAGES.values()), counts, counts)
 def test_a_stamp_changes_by_and_n_alone(message: Message, by: int, n: int) -> None:
-    assert unpack(type(message), stamped(message, by, n)) == message._replace(by=by, n=n)
+    assert unpack(type(message), stamped(message, by, n)) == replace(message, by=by, n=n)
 
 
 def test_a_goal_travels_with_from_and_until() -> None:
@@ -103,14 +99,11 @@ def test_a_goal_travels_with_from_and_until() -> None:
     }
 
 
-def test_a_lost_encoder_is_nil_on_the_wire_and_nan_inside() -> None:
-    states = JointStates(1.0, (0.1, math.nan), (0.0, math.nan))
+def test_a_lost_encoder_is_nil_on_the_wire() -> None:
+    states = JointStates(1.0, nil_for_nan((0.1, math.nan)), nil_for_nan((0.0, math.nan)))
     data = pack(states)
     assert msgpack.unpackb(data)["position"] == [0.1, None]
-    back = unpack(JointStates, data)
-    assert back.position[0] == 0.1
-    assert math.isnan(back.position[1])
-    assert math.isnan(back.velocity[1])
+    assert unpack(JointStates, data) == states
 
 
 def test_integers_will_do_for_floats_and_become_floats() -> None:
@@ -157,7 +150,7 @@ json_like: st.SearchStrategy[Any] = st.recursive(
 def test_a_map_with_the_right_names_and_any_values_is_sound_or_refused(
     kind: type[Message], data: st.DataObject
 ) -> None:
-    wire = {field.name: data.draw(json_like) for field in FIELDS[kind]}
+    wire = {field.encode_name: data.draw(json_like) for field in fields(kind)}
     with suppress(MessageError):
         pack(unpack(kind, msgpack.packb(wire)))
 
@@ -216,7 +209,7 @@ def test_a_pose_is_refused_with_its_reason(change: dict[str, Any], reason: Reaso
 @pytest.mark.parametrize("name", list(COMMAND))
 def test_each_missing_field_is_named(name: str) -> None:
     rest = {key: value for key, value in COMMAND.items() if key != name}
-    with pytest.raises(MessageError, match=f"missing field: there is no '{name}'"):
+    with pytest.raises(MessageError, match=f"missing field: .*`{name}`"):
         unpack(JointCommand, msgpack.packb(rest))
 
 
@@ -242,6 +235,6 @@ def test_texts_that_could_play_tricks_on_a_terminal_are_refused(text: str) -> No
         *(0.0, "plant", "host", 1, "runs", 1.0, Spread(0, 0, 0), {}, {}, "none", "runs", "a.yaml"),
         *("0.1.0", 0),
     )
-    data = pack(diag._replace(role=text))
+    data = pack(replace(diag, role=text))
     with pytest.raises(MessageError):
         unpack(Diag, data)

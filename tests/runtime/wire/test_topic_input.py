@@ -1,15 +1,21 @@
 import pytest
 
 from runtime.wire.arbitration import TopicInput
-from runtime.wire.fields import MessageError
 from runtime.wire.messages import JointCommand, pack
-from runtime.wire.refusals import OTHER_REASONS, REASONS_KEPT, UNKNOWN_KEYS, Reason, Refusals
+from runtime.wire.refusals import (
+    OTHER_REASONS,
+    REASONS_KEPT,
+    UNKNOWN_KEYS,
+    MessageError,
+    Reason,
+    Refusals,
+)
 
 KEY = "arm/joint/1/cmd"
 
 
 def command(n: int, velocity: float = 0.5, by: int = 7) -> bytes:
-    return pack(JointCommand(1.0, velocity, by, n))
+    return pack(JointCommand(1.0, velocity, by=by, n=n))
 
 
 @pytest.fixture
@@ -24,7 +30,7 @@ def ear(refusals: Refusals) -> TopicInput[JointCommand]:
 
 def test_a_sound_message_counts_while_it_is_fresh(ear: TopicInput[JointCommand]) -> None:
     ear.take(command(1), now=10.0)
-    assert ear.fresh(10.1) == JointCommand(1.0, 0.5, 7, 1)
+    assert ear.fresh(10.1) == JointCommand(1.0, 0.5, by=7, n=1)
     assert ear.fresh(10.3) is None
 
 
@@ -42,7 +48,7 @@ def test_refused_messages_are_counted_by_reason_and_change_nothing(
     for data in (b"noise", b"more noise", command(5), command(4)):
         assert ear.take(data, now=0.1) is None
     assert refusals.table() == {KEY: {Reason.NOT_MSGPACK: 2, Reason.LATE: 2}}
-    assert ear.fresh(0.1) == JointCommand(1.0, 0.5, 7, 5)
+    assert ear.fresh(0.1) == JointCommand(1.0, 0.5, by=7, n=5)
 
 
 def test_a_message_that_does_not_fit_the_robot_is_refused(refusals: Refusals) -> None:

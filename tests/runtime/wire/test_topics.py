@@ -3,7 +3,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from runtime.wire import topics
-from runtime.wire.messages import Diag, EndEffectorPose, GoalMessage, JointCommand
+from runtime.wire.messages import (
+    Diag,
+    EndEffectorPose,
+    GoalMessage,
+    JointCommand,
+    Message,
+    PlatformPose,
+)
 
 ROLES = ["plant", "goal", "platform", "joint/1", "joint/12", "launcher"]
 
@@ -30,10 +37,56 @@ def test_any_other_token_says_nothing(key: str) -> None:
     assert topics.who_is_alive(key) is None
 
 
-def test_each_key_has_its_kind_of_message() -> None:
-    assert topics.kind_of(topics.HAND) is EndEffectorPose
-    assert topics.kind_of(topics.joint_command(3)) is JointCommand
-    assert {topics.kind_of(key) for key in topics.GOALS} == {GoalMessage}
-    assert topics.kind_of(topics.diag("joint/3")) is Diag
-    assert topics.kind_of("arm/joint/x/cmd") is None
-    assert topics.kind_of("weather") is None
+def test_each_key_has_its_message() -> None:
+    def message(key: str) -> type[Message] | None:
+        topic = topics.STANDARD.topic_of(key)
+        return topic and topic.message
+
+    assert message(topics.HAND) is EndEffectorPose
+    assert message(topics.joint_command(3)) is JointCommand
+    assert message(topics.GOAL) is message(topics.KNOWN_GOAL) is GoalMessage
+    assert message(topics.diag("joint/3")) is Diag
+    assert message("arm/joint/x/cmd") is None
+    assert message("weather") is None
+
+
+@pytest.mark.parametrize(
+    ("role", "keys"),
+    [
+        ("plant", {"arm/ee_pose", "arm/joint_states", "platform/pose", "goal/known", "diag/plant"}),
+        ("joint/2", {"arm/joint/2/cmd", "diag/joint/2"}),
+        ("joint", {"diag/joint"}),
+        ("platform", {"platform/cmd", "diag/platform"}),
+        ("goal", {"goal", "diag/goal"}),
+        ("camera", {"diag/camera"}),
+    ],
+)
+def test_each_role_publishes_on_its_own_keys(role: str, keys: set[str]) -> None:
+    assert set(topics.STANDARD.keys_of(role)) == keys
+
+
+OWN = topics.Topic("arm/force", PlatformPose, "plant", "force")
+
+
+def test_a_topic_of_one_s_own_is_in_the_contract() -> None:
+    contract = topics.Contract([OWN])
+    assert contract.topic_of("arm/force") is OWN
+    assert contract.percepts["force"] == (OWN,)
+    assert "arm/force" in contract.keys_of("plant")
+    assert topics.STANDARD.topic_of("arm/force") is None
+
+
+@pytest.mark.parametrize(
+    ("key", "percept", "why"),
+    [
+        ("arm/ee_pose", "force", "has that key already"),
+        ("arm/joint/3/cmd", None, "has that key already"),
+        ("ctl/plant/stop", None, "has that key already"),
+        ("arm/*", None, "lower-case words"),
+        ("Arm", None, "lower-case words"),
+        ("arm/force", "hand", "there is a percept 'hand' already"),
+    ],
+)
+def test_a_topic_that_does_not_fit_is_refused(key: str, percept: str | None, why: str) -> None:
+    with pytest.raises(topics.ContractError, match=why):
+        topics.Contract([OWN._replace(key=key, percept=percept)])
