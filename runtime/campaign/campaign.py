@@ -22,10 +22,9 @@ from runtime.launching.launcher import prepare
 from runtime.results.evaluation import evaluate
 from runtime.results.logs import read_log
 from runtime.results.run_log import RunLogError, read_run_log
-from runtime.spawning.local import lives, send
+from runtime.spawning.identity import ProcessId, processes_in
 from runtime.spawning.tasks import spawn
 from runtime.tls.verification import verify_all
-from runtime.watching.local import logged
 from runtime.watching.table import distance
 
 MAX_FAULTS = 3
@@ -101,8 +100,8 @@ def run_once(deployment: Deployment, seed: int) -> CampaignRun:
         limit = began + drawn.duration / drawn.speed + drawn.patience + _SHUTDOWN_TIMEOUT
         while (remaining := _remaining(drawn, folder)) and time.monotonic() < limit:
             time.sleep(_POLL_PERIOD)
-        for pid in remaining:
-            send(pid, signal.SIGKILL)
+        for process in remaining:
+            process.send(signal.SIGKILL)
     reason = f"{len(remaining)} processes did not end and were killed" if remaining else ""
     if not reason and launcher.returncode == 1:
         output = (folder / "launcher.out").read_text(encoding="utf-8", errors="replace")
@@ -136,11 +135,11 @@ def _launched(deployment: Deployment, folder: Path) -> Iterator["subprocess.Pope
         yield launcher
     except BaseException:
         with suppress(subprocess.TimeoutExpired):
-            send(launcher.pid, signal.SIGINT)
+            launcher.send_signal(signal.SIGINT)
             launcher.wait(_SHUTDOWN_TIMEOUT)
         launcher.kill()
-        for pid in _remaining(deployment, folder):
-            send(pid, signal.SIGKILL)
+        for process in _remaining(deployment, folder):
+            process.send(signal.SIGKILL)
         raise
     finally:
         launcher.wait()
@@ -162,11 +161,10 @@ def _wait(launcher: "subprocess.Popen[bytes]", deployment: Deployment, folder: P
             watcher.wait()
 
 
-def _remaining(deployment: Deployment, folder: Path) -> list[int]:
+def _remaining(deployment: Deployment, folder: Path) -> list[ProcessId]:
     """Return the processes of a run that outlived its launcher."""
-    roles = [pid for role in deployment.roles for pid in logged(folder, role)]
-    successors = [line["pid"] for line in read_log(folder, "successor", "start")]
-    return roles + [pid for pid in successors if lives(pid)]
+    roles = (*deployment.roles, "successor")
+    return [process for role in roles for process in processes_in(folder, role)]
 
 
 def check_campaign(deployment: Deployment, runs: int) -> None:

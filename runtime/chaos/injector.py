@@ -13,7 +13,7 @@ from runtime.config.deployment import Deployment
 from runtime.config.tree import ConfigError
 from runtime.errors import RunError
 from runtime.processes.log_writer import LogWriter
-from runtime.spawning.local import ProcessGroup, send
+from runtime.spawning.local import ProcessGroup
 from runtime.watching.local import watchers
 from runtime.watching.watcher import Watcher
 
@@ -129,11 +129,15 @@ class FaultInjector:
         self._happened(f"{event.target} goes on")
 
     def _send(self, role: str, pids: list[int], number: signal.Signals) -> None:
+        if role == LAUNCHER:
+            os.kill(os.getpid(), number)
+            return
+        if role == WATCHER:
+            for watcher in watchers(self._deployment.robot):
+                watcher.send(number)
+            return
         for pid in pids:
-            if role in (LAUNCHER, WATCHER):
-                send(pid, number)
-            else:
-                self._children.send(role, pid, number)
+            self._children.send(role, pid, number)
 
     def _note(self, action: str, target: str, **more: object) -> None:
         """Log what is about to be done, at once: who does it may be the next to go."""
@@ -146,7 +150,7 @@ class FaultInjector:
         if role == LAUNCHER:
             return [] if self._bequeath is None else [os.getpid()]
         if role == WATCHER:
-            return watchers(self._deployment.robot)
+            return [watcher.pid for watcher in watchers(self._deployment.robot)]
         return self._children.obeyed(role)
 
     def _stop(self, role: str) -> None:

@@ -3,7 +3,6 @@
 Run as `python -m runtime.chaos.successor RUN T`: what is due after plant time T [s].
 """
 
-import os
 import secrets
 import signal
 import sys
@@ -16,7 +15,8 @@ from runtime.config.deployment import Deployment, load
 from runtime.processes.lifetime import Lifetime
 from runtime.processes.log_writer import LogWriter
 from runtime.results.logs import read_log
-from runtime.spawning.local import LocalProcesses, send
+from runtime.spawning.identity import start_line
+from runtime.spawning.local import LocalProcesses
 from runtime.spawning.tasks import spawn
 from runtime.watching.table import say
 from runtime.watching.watcher import Watcher
@@ -38,7 +38,7 @@ def inherit(run: Path, t: float) -> None:
     schedule = Schedule(deployment.chaos)
     begun = {due.event for due in schedule.due(t) if not due.over}
     log = LogWriter(run, "successor")
-    log.write(t, "start", role="successor", pid=os.getpid())
+    log.write(t, "start", **start_line("successor", deployment.robot, run))
     log.flush()
     children = LocalProcesses(run)
     place, credentials = deployment.mesh.visitor(), deployment.credentials(OPERATOR)
@@ -51,9 +51,9 @@ def inherit(run: Path, t: float) -> None:
         try:
             _stay(deployment, schedule, watcher, injector)
         finally:
-            for pids in injector.hung.values():
-                for pid in pids:
-                    send(pid, signal.SIGKILL)  # nobody else would end who hangs
+            for event, pids in injector.hung.items():
+                for pid in pids:  # no other process would end one that hangs
+                    children.send(event.target, pid, signal.SIGKILL)
             log.close()
 
 

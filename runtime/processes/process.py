@@ -23,6 +23,7 @@ from runtime.processes.lifetime import FAILED, Lifetime, Shutdown
 from runtime.processes.log_writer import LogWriter, new_run_folder
 from runtime.processes.meters import Durations, Rate
 from runtime.processes.scheduling import set_realtime
+from runtime.spawning.identity import start_line
 from runtime.wire import topics
 from runtime.wire.bus import BusError
 from runtime.wire.messages import Diag, Spread, stamped
@@ -120,7 +121,9 @@ class Process:
         gc.freeze()  # what there is by now stays: no need to look at it again for garbage
         self.ending.catch_signals()
         by = f"{self.bus.incarnation:x}"
-        self.log.write(self.t, "start", role=self.role, pid=os.getpid(), by=by)
+        self.log.write(
+            self.t, "start", **start_line(self.role, self.deployment.robot, self.run), by=by
+        )
         self.log.flush()
         self.bus.answer(topics.stop(self.role), self._stop)
         self.bus.answer(topics.diag(self.role), lambda _: self._diag_bytes(loop))

@@ -24,6 +24,7 @@ _NEEDED = {
 
 def preload(role: str | None = None) -> None:
     """Import what the process of a role needs, or of any role, for copies of this process."""
+    import_module("psutil")
     for modules in _NEEDED.values() if role is None else [_NEEDED.get(role, _NEEDED[_AGENTS])]:
         for module in modules:
             import_module(module)

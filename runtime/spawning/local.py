@@ -1,8 +1,6 @@
 """The launcher's own processes: it started them, so it can tell how they end, and end them."""
 
-import os
 import signal
-import time
 from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
@@ -10,17 +8,18 @@ from typing import NamedTuple, Protocol
 
 from runtime.config.deployment import ProcessSpec
 from runtime.spawning.forkserver import ForkServer
+from runtime.spawning.identity import obeyed_in, processes_in
 from runtime.spawning.tasks import LOST, ChildProcess, Task
-from runtime.watching.local import logged, obeyed_in
-
-_DYING = 1.0  # [s] for a killed process to be gone
 
 
 class ProcessExit(NamedTuple):
     """A process that has ended.
 
-    code: its exit code, negative for a signal
-    said: the last thing it said
+    Attributes:
+        role: Its role.
+        pid: Its id.
+        code: Its exit code, negative for a signal.
+        said: The last line that it wrote.
     """
 
     role: str
@@ -38,28 +37,6 @@ class ProcessExit(NamedTuple):
                 return f"was killed by {signal.Signals(-self.code).name}"
             return f"was killed by signal {-self.code}"
         return "ended" if self.code == 0 else f"ended with code {self.code}: {self.said}"
-
-
-def send(pid: int, number: signal.Signals) -> None:
-    """Send a signal to a process of this machine, if it is still there.
-
-    One that is killed is waited for, so that its port is free for who takes its place.
-    """
-    with suppress(ProcessLookupError):
-        os.kill(pid, number)
-    until = time.monotonic() + _DYING
-    while number is signal.SIGKILL and lives(pid) and time.monotonic() < until:
-        time.sleep(0.001)
-
-
-def lives(pid: int) -> bool:
-    """Tell whether a process of this machine has not quite ended, down to its last thread."""
-    try:
-        threads = list(Path(f"/proc/{pid}/task").glob("*/stat"))
-        states = [stat.read_text().rpartition(")")[2].split()[0] for stat in threads]
-    except OSError:
-        return False
-    return any(state not in ("Z", "X") for state in states)
 
 
 class ProcessGroup(Protocol):
@@ -114,7 +91,7 @@ class LocalProcesses:
 
     def revive(self, role: str, home: str, *, copy: bool = False) -> int:
         """Start one more process for a role, and return its id; see `ProcessGroup`."""
-        copy = copy or bool(logged(self.run, role))
+        copy = copy or bool(processes_in(self.run, role))
         return self._start(Task(role, self.run, home if copy else None)).pid
 
     def _start(self, task: Task) -> ChildProcess:
@@ -130,11 +107,20 @@ class LocalProcesses:
     def obeyed(self, role: str) -> list[int]:
         """Return the id of a role's process, of copies that of the one obeyed; none if none is."""
         obeyed = obeyed_in(self.run, role)
-        return self.pids(role)[-1:] if obeyed is None else [obeyed]
+        return self.pids(role)[-1:] if obeyed is None else [obeyed.pid]
 
     def send(self, role: str, pid: int, number: signal.Signals) -> None:
-        """Send a signal to one of a role's processes, if it is still there."""
-        send(pid, number)
+        """Send a signal to one of a role's processes, if it is still there.
+
+        It is one by the log of its role, or has just been started here and has no log yet.
+        """
+        for process in processes_in(self.run, role):
+            if process.pid == pid:
+                process.send(number)
+                return
+        for task, child in self._living:
+            if (task.role, child.pid) == (role, pid):
+                child.send_signal(number)
 
     def signal(self, number: signal.Signals) -> None:
         """Send a signal to all that live."""

@@ -1,11 +1,10 @@
 """Kill the process of a role, as a crash would: the others do not notice."""
 
 import argparse
-import os
 import signal
 
 from runtime.watching.discovery import add_target_options, target_of, visit
-from runtime.watching.local import pid_in
+from runtime.watching.local import process_in
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -17,7 +16,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Kill it, of copies the one that is obeyed; 1 if it is not there."""
     with visit(target_of(args)) as bus:
-        pid = pid_in(bus, args.role)
-        os.kill(pid, signal.SIGKILL)
-        print(f"killed {args.role}, process {pid}")
+        process = process_in(bus, args.role)
+        process.send(signal.SIGKILL)
+        print(f"killed {args.role}, process {process.pid}")
     return 0

@@ -9,7 +9,7 @@ from msgspec.structs import asdict
 from setproctitle import setproctitle
 
 from runtime.watching.discovery import add_target_options, target_of, visit
-from runtime.watching.local import diags, silent_roles
+from runtime.watching.local import diags, silent_roles, watcher_title
 from runtime.watching.table import HEADINGS, cells, columns, distance
 from runtime.watching.watcher import View, Watcher
 
@@ -33,7 +33,7 @@ def run(args: argparse.Namespace) -> int:
         watcher = Watcher(bus)
         watcher.ask_all()
         if args.watch:
-            setproctitle(f"msma status --watch --robot {target.robot}")  # chaos finds it so
+            setproctitle(watcher_title(target.robot))  # chaos finds it so
             _watch(watcher)
         view = _glance(watcher)
         silent = silent_roles(diags(bus))

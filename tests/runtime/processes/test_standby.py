@@ -11,7 +11,7 @@ from runtime.config.deployment import ProcessSpec, load
 from runtime.config.overrides import Override
 from runtime.config.tree import ConfigError
 from runtime.results.run_log import read_run_log
-from runtime.watching.local import obeyed_in
+from runtime.spawning.identity import obeyed_in
 from tests.runtime.conftest import ROOT, Robot, wait_for
 
 FILE = ROOT / "deploy" / "arph.yaml"
@@ -59,7 +59,7 @@ def test_a_standby_takes_over_within_the_hold_time(robot: Robot, number: signal.
     obeyed = obeyed_in(robot.run_folder, "joint/1")
     assert obeyed is not None
     former, began = _obeyed(robot), time.time()
-    os.kill(obeyed, number)
+    os.kill(obeyed.pid, number)
 
     wait_for(lambda: _obeyed(robot) == former + 1, "the other to be obeyed")
     robot.until(robot.t + 0.5)

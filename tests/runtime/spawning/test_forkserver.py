@@ -6,12 +6,13 @@ import threading
 from collections.abc import Iterator
 from pathlib import Path
 
+import psutil
 import pytest
 
 from runtime.config.deployment import ProcessSpec
 from runtime.spawning import forkserver as nurseries
 from runtime.spawning.forkserver import ForkServer
-from runtime.spawning.local import LocalProcesses, lives
+from runtime.spawning.local import LocalProcesses
 from runtime.spawning.tasks import LOST, ChildProcess, Task
 from tests.runtime.conftest import wait_for
 
@@ -106,7 +107,7 @@ def test_a_nursery_ends_with_whoever_made_it(tmp_path: Path) -> None:
     os.waitpid(pid, 0)
     forkserver = int((tmp_path / "forkserver").read_text())
     assert forkserver != pid
-    wait_for(lambda: not lives(forkserver), "the forkserver to end")
+    wait_for(lambda: not psutil.pid_exists(forkserver), "the forkserver to end")
 
 
 def test_a_process_of_several_threads_runs_python_anew(tmp_path: Path) -> None:

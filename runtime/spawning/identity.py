@@ -1,0 +1,115 @@
+"""Which process is meant, by its id and when it started: the id alone may be reused by now.
+
+psutil is imported where it is first needed, since that takes 15 ms.
+"""
+
+import os
+import signal
+import socket
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, NamedTuple, Self
+
+from runtime.results.logs import read_log
+from runtime.wire.topics import PLANT
+
+_CLOCK = 1.0  # [s] by which the system may correct what it says of when a process started
+_DYING = 1.0  # [s] for a killed process to be gone
+
+
+class ProcessId(NamedTuple):
+    """A process of this machine.
+
+    Attributes:
+        pid: Its id.
+        started: When it started [s since 1970], as the system says.
+    """
+
+    pid: int
+    started: float
+
+    @classmethod
+    def own(cls) -> Self:
+        """Return that of this process."""
+        return cls.of(os.getpid())
+
+    @classmethod
+    def of(cls, pid: int) -> Self:
+        """Return that of a process that is known to live, such as a child."""
+        from psutil import Process
+
+        return cls(pid, Process(pid).create_time())
+
+    def lives(self) -> bool:
+        """Tell whether it has not quite ended, down to its last thread."""
+        from psutil import STATUS_ZOMBIE, NoSuchProcess, Process
+
+        try:
+            process = Process(self.pid)
+            if abs(process.create_time() - self.started) > _CLOCK:
+                return False
+            return bool(process.status() != STATUS_ZOMBIE or process.num_threads() > 1)
+        except NoSuchProcess:
+            return False
+
+    def send(self, number: int) -> None:
+        """Send it a signal, if it is still there.
+
+        If it is killed, wait until it is gone, so that its port is free for a successor.
+        """
+        if not self.lives():
+            return
+        try:
+            os.kill(self.pid, number)
+        except ProcessLookupError:
+            return
+        until = time.monotonic() + _DYING
+        while number == signal.SIGKILL and self.lives() and time.monotonic() < until:
+            time.sleep(0.001)
+
+
+def start_line(role: str, robot: str, run: Path) -> dict[str, object]:
+    """Return what this process writes into the first line of its log, for `processes_in`."""
+    pid, started = ProcessId.own()
+    return {
+        "role": role,
+        "robot": robot,
+        "run": os.path.realpath(run),
+        "host": socket.gethostname(),
+        "pid": pid,
+        "started": started,
+    }
+
+
+def processes_in(run: Path, role: str) -> list[ProcessId]:
+    """Return the processes of a role in a run that live on this host, by its log; newest last."""
+    lines = read_log(run, role, "start")
+    return [found for line in lines if (found := _process_of(line, role, run)) is not None]
+
+
+def obeyed_in(run: Path, role: str) -> ProcessId | None:
+    """Return the process of a role in a run on this host, None if none lives here.
+
+    Of copies it is the one that the plant obeys, by its log, or else the one started last.
+    """
+    processes = processes_in(run, role)
+    if len(processes) > 1:
+        starts = {line.get("by"): line.get("pid") for line in read_log(run, role, "start")}
+        for line in reversed(read_log(run, PLANT, "obeys")):
+            if line["role"] == role:
+                pid = starts.get(line["by"])
+                return next((one for one in processes if one.pid == pid), processes[-1])
+    return processes[-1] if processes else None
+
+
+def _process_of(line: Mapping[str, Any], role: str, run: Path) -> ProcessId | None:
+    """Return the process that wrote a start line, if it lives here, in that role and run."""
+    wanted = (role, os.path.realpath(run), socket.gethostname())
+    if (line.get("role"), line.get("run"), line.get("host")) != wanted:
+        return None
+    pid, started = line.get("pid"), line.get("started")
+    if not (isinstance(pid, int) and isinstance(started, int | float)):
+        return None
+    process = ProcessId(pid, started)
+    return process if process.lives() else None

@@ -1,0 +1,89 @@
+"""A signal reaches the process that is meant, and never another program that has its id by now."""
+
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import psutil
+import pytest
+
+from runtime.spawning.identity import ProcessId, obeyed_in, processes_in, start_line
+from runtime.spawning.local import LocalProcesses
+
+
+@pytest.fixture
+def stranger() -> Iterator["subprocess.Popen[bytes]"]:
+    """Start a program of the same user that looks like an agent in the list of processes."""
+    words = ["-c", "import time; time.sleep(60)", "agent", "file", "joint/1"]
+    with subprocess.Popen([sys.executable, *words]) as process:
+        yield process
+        process.kill()
+
+
+def log(folder: Path, changes: dict[str, Any]) -> None:
+    """Write a start line, as joint/1 would, but for some changes."""
+    line = {"event": "start", **start_line("joint/1", "arph", folder), **changes}
+    line = {key: value for key, value in line.items() if value is not None}
+    (folder / "joint-1.jsonl").write_text(json.dumps(line) + "\n")
+
+
+def test_a_process_is_known_by_its_log(tmp_path: Path, stranger: "subprocess.Popen[bytes]") -> None:
+    process = ProcessId.of(stranger.pid)
+    log(tmp_path, process._asdict())
+    assert processes_in(tmp_path, "joint/1") == [process]
+    assert obeyed_in(tmp_path, "joint/1") == process
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"started": 1e9},
+        {"started": None},
+        {"started": "now"},
+        {"host": "elsewhere"},
+        {"run": "/another/run"},
+        {"role": "joint/2"},
+    ],
+    ids=["reused since", "no time", "bad time", "other host", "other run", "other role"],
+)
+def test_another_program_that_has_the_id_by_now_is_never_signalled(
+    tmp_path: Path, stranger: "subprocess.Popen[bytes]", changes: dict[str, Any]
+) -> None:
+    started = ProcessId.of(stranger.pid).started
+    log(tmp_path, {"pid": stranger.pid, "started": started, **changes})
+    processes = LocalProcesses(tmp_path)
+    assert processes.obeyed("joint/1") == []
+    processes.send("joint/1", stranger.pid, signal.SIGKILL)
+    ProcessId(stranger.pid, 1e9).send(signal.SIGKILL)
+    processes.tidy()
+    time.sleep(0.1)
+    assert stranger.poll() is None
+
+
+def test_a_process_that_is_killed_is_gone_when_that_returns(
+    tmp_path: Path, stranger: "subprocess.Popen[bytes]"
+) -> None:
+    process = ProcessId.of(stranger.pid)
+    process.send(signal.SIGSTOP)
+    assert process.lives()
+    process.send(signal.SIGKILL)
+    assert not process.lives()
+    assert stranger.wait(5) == -signal.SIGKILL
+    process.send(signal.SIGKILL)  # which is no error
+
+
+def test_a_process_says_when_it_started() -> None:
+    own = ProcessId.own()
+    assert own.pid == os.getpid()
+    assert own.lives()
+    assert own.started == psutil.Process().create_time()
+    line = start_line("joint/1", "arph", Path("somewhere"))
+    assert line["host"] == socket.gethostname()
+    assert line["run"] == str(Path.cwd() / "somewhere")
