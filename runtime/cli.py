@@ -13,12 +13,21 @@ from runtime.config.spelling import valid_are
 from runtime.errors import exit_code
 
 _GROUP = "msma.verbs"
+_EPILOGUE = """\
+Run `msma COMMAND --help` for the arguments of a command.
+
+exit codes: 0 success, 1 failure at run time, 2 bad input, 3 goal not reached, 130 interrupted"""
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run `msma VERB ...` and return its exit code.
+    """Run `msma VERB ...`.
 
-    2 for bad input, 1 for what failed while it ran, 130 when interrupted.
+    Args:
+        argv: The verb and its arguments; by default those of this process.
+
+    Returns:
+        The exit code: 2 for bad input, 1 for a failure at run time, 130 if interrupted, otherwise
+        what the verb returns.
     """
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # for small arrays
     verb, *rest = (sys.argv[1:] if argv is None else argv) or [""]
@@ -44,20 +53,19 @@ def launch() -> int:
 def _module(verb: str) -> str:
     """Return the name of the verb's module.
 
-    Our own verbs are found without a look at what is installed, which would add 30 ms to the
-    start of every process.
+    Our own verbs are found without reading the metadata of installed packages, which takes 30 ms.
     """
     ours = f"{runtime.verbs.__name__}.{verb}"
     if verb.isidentifier() and find_spec(ours):
         return ours
     verbs = _verbs()
     if verb not in verbs:
-        raise MsmaError(f"there is no verb {verb!r}{valid_are(verb, verbs)}")
+        raise MsmaError(f"unknown command {verb!r}{valid_are(verb, verbs)}")
     return verbs[verb]
 
 
 def _verbs() -> dict[str, str]:
-    """Return the module of each verb: ours, and those that others add as entry points."""
+    """Return the module of each verb: ours, and those of other packages' entry points."""
     import pkgutil
     from importlib.metadata import entry_points
 
@@ -67,9 +75,9 @@ def _verbs() -> dict[str, str]:
 
 
 def _help() -> str:
-    lines = ["usage: msma VERB ...", "", "msma VERB --help tells more of each:", ""]
-    lines += [f"  {verb:10}{_docstring(module)}" for verb, module in sorted(_verbs().items())]
-    return "\n".join(lines)
+    verbs = sorted(_verbs().items())
+    lines = [f"  {verb:10}{_docstring(module)}" for verb, module in verbs]
+    return "\n".join(["usage: msma COMMAND ...", "", "commands:", *lines, "", _EPILOGUE])
 
 
 def _docstring(module: str) -> str:

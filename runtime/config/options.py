@@ -1,4 +1,4 @@
-"""The command-line options of every verb that takes a deployment file."""
+"""The command-line options of the verbs that take a deployment file."""
 
 import argparse
 import json
@@ -13,7 +13,7 @@ from runtime.config.tree import ConfigError
 def _set(option: str, text: str) -> Override:
     path, equals, value = text.partition("=")
     if not equals:
-        raise ConfigError(f"{option} {text}: there is no =; write it such as {option} period=20ms")
+        raise ConfigError(f"{option} {text}: write PATH=VALUE, such as {option} period=20ms")
     return Override(f"{option} {text}", path.strip(), value)
 
 
@@ -24,7 +24,7 @@ def _value(option: str, text: str) -> Override:
 def _chaos(option: str, text: str) -> Override:
     target, at_sign, at = text.rpartition("@")
     if not at_sign:
-        raise ConfigError(f"{option} {text}: at what time? Write it such as {option} {text}@8")
+        raise ConfigError(f"{option} {text}: the time is missing, such as {option} {text}@8")
     at, colon, lasting = at.partition(":")
     action = option.removeprefix("--")
     event: dict[str, object] = {"at": at, action: target}
@@ -36,26 +36,26 @@ def _chaos(option: str, text: str) -> Override:
 
 
 _OPTIONS: tuple[tuple[str, str, Callable[[str, str], Override], str], ...] = (
-    ("--set", "PATH=VALUE", _set, "any value, such as agents.joint/1.gain=0.4"),
-    ("--robot", "NAME", _value, "the robot's name on the network"),
-    ("--speed", "FACTOR", _value, "how many times as fast as real time"),
-    ("--duration", "TIME", _value, "how long the run lasts"),
-    ("--seed", "NUMBER", _value, "the seed of all that is random"),
-    ("--kill", "ROLE@TIME", _chaos, "kill a process at a time, such as joint/2@8"),
-    ("--hang", "ROLE@TIME:TIME", _chaos, "stop a process for a time, such as joint/2@8:2s"),
-    ("--stop", "ROLE@TIME", _chaos, "ask a process to stop at a time"),
-    ("--revive", "ROLE@TIME", _chaos, "start a process again at a time"),
-    ("--fault", "FAULT@TIME", _chaos, "break something at a time, such as joint/1:locked@5"),
-    ("--partition", "HOST@TIME:TIME", _chaos, "cut hosts off from the rest, such as arm@8:4s"),
+    ("--set", "PATH=VALUE", _set, "set any value, such as agents.joint/1.gain=0.4"),
+    ("--robot", "NAME", _value, "name of the robot on the network"),
+    ("--speed", "FACTOR", _value, "plant time per real time, such as 4"),
+    ("--duration", "TIME", _value, "end the run after this plant time, such as 10s"),
+    ("--seed", "NUMBER", _value, "seed of everything random"),
+    ("--kill", "ROLE@TIME", _chaos, "kill a process, such as joint/2@8"),
+    ("--hang", "ROLE@TIME:TIME", _chaos, "suspend a process for a while, such as joint/2@8:2s"),
+    ("--stop", "ROLE@TIME", _chaos, "ask a process to stop"),
+    ("--revive", "ROLE@TIME", _chaos, "start a process again"),
+    ("--fault", "FAULT@TIME", _chaos, "inject a fault into the robot, such as joint/1:locked@5"),
+    ("--partition", "HOST@TIME:TIME", _chaos, "cut hosts off from the others, such as arm@8:4s"),
 )
 
 
 def add_deployment_options(parser: argparse.ArgumentParser) -> None:
-    """Let the command take a deployment file, and options that change values of it."""
-    parser.add_argument("file", metavar="FILE", help="a deployment file, such as deploy/arph.yaml")
-    group = parser.add_argument_group("in place of what the file says, or beside it")
+    """Add the deployment file, and the options that override its values."""
+    parser.add_argument("file", metavar="FILE", help="deployment file, such as deploy/arph.yaml")
+    group = parser.add_argument_group("overrides", "All times are plant time.")
     for option, metavar, make, text in _OPTIONS:
-        # Only noted here: argparse would hide the message of a ConfigError.
+        # Made later, in `load_from`: argparse would hide the message of a ConfigError.
         note = partial(partial, make, option)
         group.add_argument(
             option, metavar=metavar, help=text, action="append", dest="overrides", type=note
@@ -63,11 +63,16 @@ def add_deployment_options(parser: argparse.ArgumentParser) -> None:
 
 
 def given(args: argparse.Namespace) -> list[str]:
-    """Return the options as they were given, but for the seed."""
+    """Return the overrides as they were given, without the seed."""
     words = (make.args for make in args.overrides or ())
     return [word for option, text in words if option != "--seed" for word in (option, text)]
 
 
 def load_from(args: argparse.Namespace, only_role: str | None = None) -> Deployment:
-    """Load the deployment that the command line asks for; later options win."""
+    """Load the deployment of the command line; of two overrides the later one counts.
+
+    Args:
+        args: The parsed arguments, with those of `add_deployment_options`.
+        only_role: Load no classes of other roles: see `load`.
+    """
     return load(args.file, [make() for make in args.overrides or ()], only_role)

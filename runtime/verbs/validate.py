@@ -1,4 +1,4 @@
-"""Say whether a deployment file is valid, and where it is not."""
+"""Check a deployment file without starting anything."""
 
 import argparse
 import json
@@ -11,7 +11,7 @@ from runtime.config.schema import schema
 
 
 class _PrintSchema(argparse.Action):
-    """Prints the schema and ends, as `--help` does, so that no file need be given."""
+    """Prints the schema and exits, like `--help`, so that no file is needed."""
 
     def __call__(
         self,
@@ -31,12 +31,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--schema",
         action=_PrintSchema,
         nargs=0,
-        help="print a JSON schema of deployment files, for editors, and end",
+        help="print a JSON schema of deployment files for editors, and exit",
     )
 
 
 def run(args: argparse.Namespace) -> int:
-    """Check all that can be checked without starting anything."""
+    """Load the deployment, and print its robot and number of processes."""
     deployment = load_from(args)
     count = len(deployment.roles)
     print(f"{args.file}: valid: robot {deployment.robot}, {count} processes")

@@ -12,7 +12,7 @@ ROOT = Path(__file__).parents[2]
 FILE = str(ROOT / "deploy" / "arph.yaml")
 
 
-def test_a_valid_file_is_said_to_be_valid(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_valid_file_is_reported_as_valid(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["validate", FILE]) == 0
     assert capsys.readouterr().out == f"{FILE}: valid: robot arph, 9 processes\n"
 
@@ -29,10 +29,10 @@ def test_the_schema_is_printed_without_a_file(capsys: pytest.CaptureFixture[str]
     assert "period" in json.loads(capsys.readouterr().out)["properties"]
 
 
-def test_an_unknown_verb_is_refused_with_the_nearest(capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_unknown_command_is_refused_with_the_nearest(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["valdate"]) == 2
-    told = capsys.readouterr().err
-    assert told.startswith("msma: there is no verb 'valdate'; did you mean 'validate'? valid are ")
+    err = capsys.readouterr().err
+    assert err.startswith("msma: unknown command 'valdate'; did you mean 'validate'? valid are ")
 
 
 def test_a_full_disk_is_one_line_and_exit_code_1(
@@ -53,10 +53,12 @@ def test_help_lists_the_verbs(
     argv: list[str], code: int, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(argv) == code
-    assert "  validate  Say whether a deployment file is valid" in capsys.readouterr().out
+    assert (
+        "  validate  Check a deployment file without starting anything." in capsys.readouterr().out
+    )
 
 
-VERB = '''"""Does what it is told."""
+VERB = '''"""Return a code."""
 def add_arguments(parser):
     parser.add_argument("what")
 def run(args):
@@ -71,21 +73,21 @@ def test_a_verb_of_another_package_is_found_as_an_entry_point(
 ) -> None:
     (tmp_path / "other_verb.py").write_text(VERB)
     (tmp_path / "other-1.dist-info").mkdir()
-    entry = "[msma.verbs]\nobey = other_verb\n"
+    entry = "[msma.verbs]\nrepeat = other_verb\n"
     (tmp_path / "other-1.dist-info" / "entry_points.txt").write_text(entry)
     monkeypatch.syspath_prepend(str(tmp_path))
-    assert main(["obey", "3"]) == 3
-    assert main(["obey", "interrupt"]) == 130
+    assert main(["repeat", "3"]) == 3
+    assert main(["repeat", "interrupt"]) == 130
     assert main(["--help"]) == 0
-    assert "  obey      Does what it is told." in capsys.readouterr().out
+    assert "  repeat    Return a code." in capsys.readouterr().out
 
 
 def test_msma_launch_is_msma_with_the_verb_launch(monkeypatch: pytest.MonkeyPatch) -> None:
-    def heard(argv: list[str]) -> int:
+    def run(argv: list[str]) -> int:
         assert argv == ["launch", FILE]
         return 7
 
-    monkeypatch.setattr("runtime.cli.main", heard)
+    monkeypatch.setattr("runtime.cli.main", run)
     monkeypatch.setattr(sys, "argv", ["msma-launch", FILE])
     assert launch() == 7
 
@@ -103,7 +105,7 @@ def test_from_a_checkout_it_imports_no_more_than_the_verb_needs() -> None:
     assert not {"importlib.metadata", "zenoh", "rich", "difflib"} & set(imported.split())
 
 
-def test_a_reader_that_has_seen_enough_is_no_error() -> None:
+def test_a_closed_pipe_is_no_error() -> None:
     read, write = os.pipe()
     os.close(read)
     program = [sys.executable, "-m", "runtime.cli", "validate", FILE]
