@@ -9,8 +9,7 @@ from importlib.util import find_spec
 
 import runtime.verbs
 from plant.errors import MsmaError
-from runtime.config.spelling import valid_are
-from runtime.errors import exit_code
+from runtime.errors import exit_code, valid_are
 
 _GROUP = "msma.verbs"
 _EPILOGUE = """\

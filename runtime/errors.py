@@ -1,20 +1,25 @@
-"""What goes wrong while something runs, in contrast to bad input; the exit code of an error."""
+"""Errors at run time, in contrast to bad input; exit codes; hints for unknown names."""
 
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 from plant.errors import MsmaError
 
 
 class RunError(MsmaError, RuntimeError):
-    """A run that could not begin or go on, or that is not there: exit code 1."""
+    """A failure at run time, or a run that does not exist: exit code 1."""
 
 
 def exit_code(run: Callable[[], int]) -> int:
-    """Return the exit code of what `run` does; of an error it prints a line and no traceback.
+    """Run a command; print an error as one line without a traceback.
 
-    2 for bad input, 1 for what failed while it ran, 130 when interrupted.
+    Args:
+        run: Runs the command, and returns its exit code.
+
+    Returns:
+        The exit code: 2 for bad input, 1 for a failure at run time, 130 if interrupted, otherwise
+        that of the command.
     """
     try:
         code = run()
@@ -25,12 +30,29 @@ def exit_code(run: Callable[[], int]) -> int:
         return 1 if isinstance(error, RunError) else 2
     except KeyboardInterrupt:
         return 130
-    except BrokenPipeError:  # the reader of our output has seen enough
+    except BrokenPipeError:  # such as `msma echo ... | head`
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
-    except OSError as error:  # a full disk, say
-        if error.errno is None:  # it does not come from the system
+    except OSError as error:  # such as a full disk
+        if error.errno is None:  # not from a system call
             raise
         where = f"{error.filename}: " if error.filename else ""
         print(f"msma: {where}{error.strerror}", file=sys.stderr)
         return 1
+
+
+def nearest(name: str, valid: Iterable[str]) -> str:
+    """Return "; did you mean 'x'?" for the closest valid name, or an empty string."""
+    names = list(valid)
+    if not names:
+        return ""
+    import difflib  # slow to import, and needed for errors only
+
+    close = difflib.get_close_matches(name, names, n=1)
+    return f"; did you mean {close[0]!r}?" if close else ""
+
+
+def valid_are(name: str, valid: Iterable[str]) -> str:
+    """Return the hint after an error about an unknown name: the closest and all valid names."""
+    names = list(valid)
+    return f"{nearest(name, names) or ';'} valid are {', '.join(names) or 'none'}"

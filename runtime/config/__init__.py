@@ -1,1 +1,1 @@
-"""Deployment files: read with their places, checked, and written again."""
+"""Deployment files: read with the location of each value, checked, and written again."""

@@ -1,4 +1,4 @@
-"""What goes wrong on purpose, and when: in processes, in the robot and in the network."""
+"""Chaos events: faults of processes, of the robot and of the network, at given times."""
 
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
@@ -15,7 +15,7 @@ Seconds = Annotated[float, "s", Range(such_as="2 s", above=0)]
 Share = Annotated[float, Range(such_as="2 %", above=0, most=1)]
 
 LAUNCHER, WATCHER = "launcher", "watcher"
-"""What chaos may hit beside the roles: the launcher, and each `msma status --watch` here."""
+"""Targets of chaos besides roles: the launcher, and every `msma status --watch` on its host."""
 
 _LASTING = ("hang", "partition", "delay", "loss")
 _ONLY_WITH = {"for": _LASTING, "time": ("delay",), "jitter": ("delay",), "share": ("loss",)}
@@ -23,22 +23,22 @@ _ONLY_WITH = {"for": _LASTING, "time": ("delay",), "jitter": ("delay",), "share"
 
 @dataclass(frozen=True, kw_only=True)
 class ChaosEvent:
-    """Something that goes wrong on purpose: one of the eight, at a time.
+    """A fault that is injected at a time: one of eight actions.
 
     Attributes:
         at: Plant time [s].
-        kill: The role whose process gets SIGKILL, launcher and watcher included.
-        hang: The role whose process gets SIGSTOP, and SIGCONT after `for`.
-        stop: The role whose process is asked to stop.
-        revive: The role of which a process is started again.
-        fault: What breaks in the robot, such as joint/1:locked.
-        partition: A host, or several, cut off from all others.
-        delay: A host, or several, whose traffic with others takes longer by `time`.
-        loss: A host, or several, of whose traffic with others a `share` is lost.
-        for_: How long it lasts [s, plant time]; without it, to the end of the run.
-        time: By how much traffic is delayed [s].
-        jitter: By how much that varies either way [s].
-        share: Of the packets, 0 to 1.
+        kill: Role whose process gets SIGKILL, or launcher or watcher.
+        hang: Role whose process gets SIGSTOP, and SIGCONT after `for`.
+        stop: Role whose process is asked to stop.
+        revive: Role whose process is started again.
+        fault: Fault of the robot, such as joint/1:locked.
+        partition: Host, or several, cut off from all others.
+        delay: Host, or several, whose traffic with others is delayed by `time`.
+        loss: Host, or several, whose traffic with others loses a `share` of its packets.
+        for_: How long it lasts [s, plant time]; by default to the end of the run.
+        time: Delay of the traffic [s].
+        jitter: Largest variation of the delay either way [s].
+        share: Share of the packets that are lost, 0 to 1.
     """
 
     at: Annotated[float, "s", Range(such_as="5 s", least=0)]
@@ -63,49 +63,50 @@ class ChaosEvent:
 
     @property
     def action(self) -> str:
-        """Which of the eight."""
+        """Which of the eight actions it is."""
         return next(action for action in self.one_of if getattr(self, action) is not None)
 
     @property
     def role(self) -> str | None:
-        """The role that it hits, None if it hits the robot or hosts."""
+        """The target role; None if the target is the robot or hosts."""
         role: str | None = self.kill or self.hang or self.stop or self.revive
         return role
 
     @property
     def hosts(self) -> tuple[str, ...]:
-        """The hosts that it hits, none if it hits no network."""
+        """The target hosts; empty unless it is a network event."""
         return self.partition or self.delay or self.loss or ()
 
     @property
     def target(self) -> str:
-        """The role, the fault or the hosts, as text."""
+        """The target role, fault or hosts, as text."""
         return self.role or self.fault or ", ".join(self.hosts)
 
     @property
     def ends(self) -> float | None:
-        """When it is over by itself [s, plant time], None if it is not."""
+        """When it ends [s, plant time]; None if it does not."""
         return None if self.for_ is None else self.at + self.for_
 
     def check(self, node: Node, scope: Scope) -> None:
-        """Refuse an event that cannot happen."""
+        """Refuse an impossible event."""
         if scope["duration"] is not None and self.at >= scope["duration"]:
             at, end = node.find("at"), f"{scope['duration']:g} s"
-            raise at.error(f"{at.text} is not before the end of the run, {end}")
+            raise at.error(f"{at.text} must be before the end of the run, {end}")
         for key, actions in _ONLY_WITH.items():
             if key in node.children and self.action not in actions:
                 here = node.children[key]
-                what = f"a {self.action} takes none; it goes with {', '.join(actions)}"
+                what = f"not valid for {self.action}, only for {', '.join(actions)}"
                 raise here.error(what, here.key)
         for key in ("time", "share"):
             if self.action in _ONLY_WITH[key] and getattr(self, key) is None:
                 example = {"time": "20 ms", "share": "2 %"}[key]
                 raise node.error(f"the key {key!r} is missing, such as {key}: {example}")
         if self.hang == "plant" and self.for_ is not None:
-            raise node.find("hang").error("its time stands still meanwhile: `for` would never end")
+            what = "plant time stops while the plant hangs, so `for` would never end"
+            raise node.find("hang").error(what)
         if self.jitter is not None and self.time is not None and self.jitter > self.time:
             jitter = node.find("jitter")
-            raise jitter.error(f"{jitter.text} is more than the delay, {node.find('time').text}")
+            raise jitter.error(f"{jitter.text} is larger than the delay, {node.find('time').text}")
         if self.fault is not None:
             try:
                 Fault.parse(self.fault, scope["description"].robot)

@@ -13,8 +13,8 @@ from agents.agent import Agent
 from agents.paths import Path
 from runtime.config.kinds import Pattern, Scope, Text
 from runtime.config.reading import Field, parameters_of
-from runtime.config.spelling import nearest, valid_are
 from runtime.config.tree import ConfigError, Node
+from runtime.errors import nearest, valid_are
 
 
 @dataclass(frozen=True)

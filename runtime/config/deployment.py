@@ -17,8 +17,8 @@ from runtime.config.random_chaos import RandomChaos
 from runtime.config.reading import Derived, kind_of
 from runtime.config.security import SecuritySpec
 from runtime.config.specs import AgentSpec, Description, GoalSpec, PlantSpec, Start
-from runtime.config.spelling import valid_are
 from runtime.config.tree import ConfigError, Node, read_file
+from runtime.errors import valid_are
 from runtime.wire.mesh import FIRST_COPY, SLOTS, Mesh, port_base
 from runtime.wire.security import Credentials
 from runtime.wire.topics import STANDARD, Contract
@@ -99,7 +99,7 @@ class Deployment:
     def slot(self, role: str) -> int:
         """Return the role's place among the robot's ports, or raise `ConfigError`."""
         if role not in self.roles:
-            raise ConfigError(f"nothing runs as {role!r}{valid_are(role, self.roles)}")
+            raise ConfigError(f"no process has the role {role!r}{valid_are(role, self.roles)}")
         return self.roles.index(role)
 
     def host_of(self, role: str) -> str:
@@ -129,7 +129,7 @@ class Deployment:
         """Raise `ConfigError` if nothing of this runs on that host."""
         busy = dict.fromkeys(one.host for one in self.processes)
         if host not in busy:
-            raise ConfigError(f"nothing runs on a host {host!r}{valid_are(host, busy)}")
+            raise ConfigError(f"no process runs on a host {host!r}{valid_are(host, busy)}")
 
     @property
     def mesh(self) -> Mesh:
@@ -168,18 +168,18 @@ class Deployment:
         for index, agent in enumerate(self.agents):
             here = node.find("agents", index, "role")
             if agent.role in first:
-                there = first[agent.role].place
-                raise here.error(f"there is an agent {agent.role} already, at {there}")
+                there = first[agent.role].location
+                raise here.error(f"duplicate agent {agent.role}, first given at {there}")
             first[agent.role] = here
         if len(self.roles) > FIRST_COPY:
-            what = f"{len(self.roles)} processes with plant and goal, of {FIRST_COPY} at most"
+            what = f"{len(self.roles)} processes with plant and goal; at most {FIRST_COPY}"
             raise node.find("agents").error(what)
         if self.routers and self.security:
-            what = "a router stands between those who check each other's certificates"
-            raise node.find("routers").error(f"{what}; leave out this or `security`")
+            what = "a router hides the certificates of the processes behind it"
+            raise node.find("routers").error(f"{what}; remove this or `security`")
         copies = len(self.processes) - len(self.roles)
         if copies > SLOTS - FIRST_COPY:
-            what = f"{copies} copies of agents, of {SLOTS - FIRST_COPY} at most"
+            what = f"{copies} copies of agents; at most {SLOTS - FIRST_COPY}"
             raise node.find("agents").error(what)
         for index, event in enumerate(self.chaos):
             self._check_target(event, node.find("chaos", index, event.action))
@@ -198,7 +198,7 @@ class Deployment:
 
     def _check_role(self, role: str, valid: tuple[str, ...], node: Node) -> None:
         if role not in valid:
-            raise node.error(f"nothing runs as {role!r}{valid_are(role, valid)}")
+            raise node.error(f"no process has the role {role!r}{valid_are(role, valid)}")
 
     def drawn(self) -> "Deployment":
         """Return it with the random chaos drawn, as a part of the rest."""
@@ -228,7 +228,7 @@ def load(
         override.apply(root)
     if root.value is None:
         raise root.error("is empty; a deployment has at least robot, description, period, agents")
-    scope = {"folder": root.place.folder, "only_role": only_role}
+    scope = {"folder": root.location.folder, "only_role": only_role}
     deployment: Deployment = kind_of(Deployment).read(root, scope)
     if only_role is not None:
         deployment.slot(only_role)

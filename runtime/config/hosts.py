@@ -1,4 +1,4 @@
-"""The hosts of a deployment, and which processes run on which."""
+"""The hosts of a deployment, and where processes run."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -6,8 +6,8 @@ from typing import Annotated, ClassVar
 
 from runtime.config.kinds import OneOrMore, Pattern, Scope
 from runtime.config.reading import Derived
-from runtime.config.spelling import valid_are
 from runtime.config.tree import Node
+from runtime.errors import valid_are
 from runtime.wire.mesh import LOOPBACK
 
 HostName = Annotated[str, Pattern("[A-Za-z0-9][A-Za-z0-9._-]*", "a host's name", "arm")]
@@ -22,13 +22,13 @@ _EVERYWHERE = ("0.0.0.0", "::")
 
 @dataclass(frozen=True, kw_only=True)
 class HostSpec:
-    """A machine on which processes run; its address alone will do.
+    """A machine on which processes run; in a file its address alone is enough.
 
     Attributes:
-        address: Where the others reach it: an IP address, or a name that means the same address
-            on every host.
-        ssh: What `ssh` takes to get there, such as pi@arm.local; by default the address.
-        command: How `msma` is called there.
+        address: Where other hosts reach it: an IP address, or a name with the same address on
+            every host.
+        ssh: Destination for `ssh`, such as pi@arm.local; by default the address.
+        command: The `msma` command on that host.
     """
 
     address: HostAddress
@@ -38,16 +38,16 @@ class HostSpec:
     short: ClassVar[str] = "address"
 
     def check(self, node: Node, scope: Scope) -> None:
-        """Refuse what is no one host's address."""
+        """Refuse an address that is not that of one host."""
         if self.address in _EVERYWHERE:
-            what = f"{self.address} is no host's own address; give the one that the others dial"
-            raise node.find("address").error(what)
+            what = f"{self.address} is not the address of one host"
+            raise node.find("address").error(f"{what}; give the one that other hosts connect to")
         if self.ssh.startswith("-"):
             raise node.find("ssh").error(f"{self.ssh!r} is not a destination, such as pi@arm.local")
 
 
 def here_alone(_: Scope) -> Mapping[str, HostSpec]:
-    """Return the hosts of a deployment that names none: this machine."""
+    """Return the default hosts: this machine alone."""
     return {"local": HostSpec(address=LOOPBACK, ssh=LOOPBACK)}
 
 
@@ -57,7 +57,7 @@ def _first(scope: Scope) -> str:
 
 
 Home = Annotated[HostName, Derived(_first)]
-"""The host of a process: by default the first of the deployment."""
+"""The host of a process; by default the first of the deployment."""
 
 
 Homes = Annotated[tuple[HostName, ...], OneOrMore(), Derived(lambda scope: (_first(scope),))]
@@ -65,7 +65,7 @@ Homes = Annotated[tuple[HostName, ...], OneOrMore(), Derived(lambda scope: (_fir
 
 
 def check_homes(names: tuple[str, ...], node: Node, scope: Scope) -> None:
-    """Refuse a host that the deployment does not name."""
+    """Refuse an unknown host."""
     hosts = scope["hosts"]
     for index, host in enumerate(names):
         if host not in hosts:

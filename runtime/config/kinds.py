@@ -1,4 +1,4 @@
-"""The kinds of value that a file may hold: how each is read from a node, and written again."""
+"""The kinds of value in a file: how each is read from a node, and written again."""
 
 import math
 import os
@@ -10,15 +10,22 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from plant.units import Unit, UnitError, parse_quantity
-from runtime.config.spelling import valid_are
 from runtime.config.tree import Node
+from runtime.errors import valid_are
 
 Scope = Mapping[str, Any]
-"""What was read before a value, around it too, by attribute: what a default may follow from."""
+"""Values read earlier, of the same and the enclosing mappings, by attribute name."""
 
 
 class Range(NamedTuple):
-    """Mark: the bounds of a number, in SI, and an example that lies within."""
+    """Annotation: the bounds of a number.
+
+    Attributes:
+        such_as: An example within the bounds.
+        above: Exclusive lower bound in SI units.
+        least: Lower bound in SI units.
+        most: Upper bound in SI units.
+    """
 
     such_as: str
     above: float = -math.inf
@@ -26,7 +33,7 @@ class Range(NamedTuple):
     most: float = math.inf
 
     def check(self, value: float, node: Node, unit: str = "") -> None:
-        """Raise the node's error if `value`, in `unit`, is out of bounds."""
+        """Raise the node's error if a value is out of bounds; `unit` is for the message."""
         if self.above < value and self.least <= value <= self.most:
             return
         if value > self.most:
@@ -37,7 +44,13 @@ class Range(NamedTuple):
 
 
 class Pattern(NamedTuple):
-    """Mark: what a whole text must match, what such a text is called, and an example."""
+    """Annotation: what a text must look like.
+
+    Attributes:
+        regex: The pattern that the whole text must match.
+        what: What such a text is called, for messages.
+        such_as: An example.
+    """
 
     regex: str
     what: str
@@ -45,15 +58,15 @@ class Pattern(NamedTuple):
 
 
 class OneOrMore(NamedTuple):
-    """Mark: of a list of any length, one value may stand without brackets; none is too few."""
+    """Annotation: a list with at least one value; a single one needs no brackets."""
 
 
 class Output(NamedTuple):
-    """Mark: a path to write to: it need not be there, and is relative to the current folder."""
+    """Annotation: an output path, which need not exist; relative to the current folder."""
 
 
 class Kind(ABC):
-    """What may be written for a value: how it is read, and how it is written again."""
+    """A kind of value."""
 
     @property
     @abstractmethod
@@ -62,16 +75,24 @@ class Kind(ABC):
 
     @abstractmethod
     def read(self, node: Node, scope: Scope) -> Any:
-        """Return the value that `node` says, or raise its `ConfigError`."""
+        """Read a value.
+
+        Args:
+            node: What was written.
+            scope: Values read earlier.
+
+        Raises:
+            ConfigError: The node holds no such value.
+        """
 
     def write(self, value: Any) -> Any:
-        """Return plain data that reads as `value` again."""
+        """Return plain data that `read` turns into the value again."""
         return value
 
 
 @dataclass(frozen=True)
 class Quantity(Kind):
-    """A number with a unit; one without is SI."""
+    """A number with a unit; a number without a unit is in SI units."""
 
     unit: Unit
     range: Range | None
@@ -82,7 +103,7 @@ class Quantity(Kind):
         return self.range.such_as if self.range else f"0 {self.unit}".removesuffix(" 1")
 
     def read(self, node: Node, scope: Scope) -> float:
-        """Return the number in SI."""
+        """Return the number in SI units."""
         try:
             value = parse_quantity(node.text, self.unit)
         except UnitError as error:
@@ -118,7 +139,7 @@ class Whole(Kind):
 
 @dataclass(frozen=True)
 class Choice(Kind):
-    """One of a few words; several may mean the same."""
+    """One of several words; different words may have the same value."""
 
     values: Mapping[str, Any]
 
@@ -128,16 +149,16 @@ class Choice(Kind):
         return next(iter(self.values))
 
     def read(self, node: Node, scope: Scope) -> Any:
-        """Return what the word means; one in capitals means the same."""
+        """Return the value of the word; case is ignored."""
         word = node.text if node.text in self.values else node.text.lower()
         if word not in self.values:
-            raise node.error(f"{node.text!r} is no choice{valid_are(word, self.values)}")
+            raise node.error(f"{node.text!r} is not a valid choice{valid_are(word, self.values)}")
         return self.values[word]
 
 
 @dataclass(frozen=True)
 class Text(Kind):
-    """Text, which may have to match a pattern."""
+    """Text, optionally with a pattern to match."""
 
     pattern: Pattern | None
 
@@ -156,7 +177,7 @@ class Text(Kind):
 
 @dataclass(frozen=True)
 class File(Kind):
-    """A path, relative to the file that says it; it must be there unless it is for output."""
+    """A path, relative to the file that names it; it must exist unless it is for output."""
 
     output: bool
 
@@ -168,7 +189,7 @@ class File(Kind):
     def read(self, node: Node, scope: Scope) -> Path:
         """Return the absolute path."""
         text = Text(Pattern(".+", "a path", self.such_as)).read(node, scope)
-        folder = Path.cwd() if self.output else node.place.folder
+        folder = Path.cwd() if self.output else node.location.folder
         path = os.path.abspath(folder / os.path.expanduser(text))
         if not self.output and not os.path.exists(path):
             raise node.error(f"there is no file {path}")
@@ -181,9 +202,12 @@ class File(Kind):
 
 @dataclass(frozen=True)
 class Items(Kind):
-    """A list of values: one of each of `kinds`, or any number of the only one if `many`.
+    """A list of values.
 
-    bare: one value may stand without brackets, and there must be one
+    Attributes:
+        kinds: The kind of each value, or of all values if `many`.
+        many: Whether the list has any number of values of one kind.
+        bare: Whether there must be a value, and a single one needs no brackets.
     """
 
     kinds: tuple[Kind, ...]
@@ -202,13 +226,14 @@ class Items(Kind):
         if self.bare and not isinstance(node.value, list):
             return (self.kinds[0].read(node, scope),)
         if self.bare and not node.value:
-            raise node.error(f"the list is empty; one at least is wanted, such as {self.such_as}")
+            what = "the list is empty; at least one value is needed"
+            raise node.error(f"{what}, such as {self.such_as}")
         if not isinstance(node.value, list):
             raise node.error(f"{node.text!r} is not a list, such as {self.such_as}")
         kinds = self._kinds(len(node.value))
         if len(node.value) != len(kinds):
             given, wanted = len(node.value), len(kinds)
-            raise node.error(f"{given} values given, {wanted} wanted, such as {self.such_as}")
+            raise node.error(f"expected {wanted} values, got {given}, such as {self.such_as}")
         return tuple(kind.read(n, scope) for kind, n in zip(kinds, node.value, strict=True))
 
     def write(self, value: Any) -> list[Any]:
@@ -221,7 +246,7 @@ class Items(Kind):
 
 @dataclass(frozen=True)
 class Table(Kind):
-    """A mapping from names that the user chooses to values of one kind."""
+    """A mapping from names chosen by the user to values of one kind."""
 
     key: Kind
     value: Kind
@@ -236,7 +261,7 @@ class Table(Kind):
         if not isinstance(node.value, dict) or not node.value:
             raise node.error(f"{node.text!r} is not a mapping, such as {self.such_as}")
         for name, child in node.value.items():
-            self.key.read(Node(child.key or child.place, name, name, node), scope)
+            self.key.read(Node(child.key or child.location, name, name, node), scope)
         return {name: self.value.read(child, scope) for name, child in node.value.items()}
 
     def write(self, value: Any) -> dict[str, Any]:
@@ -260,5 +285,5 @@ class Maybe(Kind):
         return None if node.value is None else self.kind.read(node, scope)
 
     def write(self, value: Any) -> Any:
-        """Return what the value is written as."""
+        """Return null, or what the value is written as."""
         return None if value is None else self.kind.write(value)

@@ -1,4 +1,4 @@
-"""Values from elsewhere, such as the command line, that take the place of those in a file."""
+"""Values from elsewhere, such as the command line, that replace those in a file."""
 
 from pathlib import Path
 from typing import NamedTuple
@@ -7,11 +7,12 @@ from runtime.config.tree import ConfigError, Location, Node, parse
 
 
 class Override(NamedTuple):
-    """A value from elsewhere that takes the place of one in the file.
+    """A value that replaces one in a file.
 
-    source: how to name it in messages, such as the option that was given
-    path: which value, dotted: keys, a list's indices or roles; `+` is a new item of a list
-    value: YAML
+    Attributes:
+        source: Its name in messages, such as the option that was given.
+        path: Dotted path of keys, and of indices or roles of list items; `+` appends an item.
+        value: The new value as YAML.
     """
 
     source: str
@@ -19,23 +20,23 @@ class Override(NamedTuple):
     value: str
 
     def apply(self, root: Node) -> None:
-        """Put the value into the tree; what is missing on the way to it is made."""
-        place = Location(self.source, Path.cwd())
+        """Set the value in a tree, and create missing nodes on the way to it."""
+        location = Location(self.source, Path.cwd())
         node, names = root, self.path.split(".")
         if not all(names):
-            raise ConfigError(f"{place}: {self.path!r} is no path, such as goal.velocity")
+            raise ConfigError(f"{location}: {self.path!r} is not a path, such as goal.velocity")
         for name, after in zip(names, [*names[1:], None], strict=True):
             if node.value is None:
                 node.value = [] if name == "+" else {}
-            name = self._spelling(node, name)
+            name = self._key(node, name)
             if after is None:
-                node.put(name, parse(self.value, place))
+                node.put(name, parse(self.value, location))
             elif name not in node.children:
-                node.put(name, Node(place, None))
+                node.put(name, Node(location, None))
             node = node.find(name)
 
-    def _spelling(self, node: Node, name: str) -> str:
-        """Return the key or index that `name` means in `node`."""
+    def _key(self, node: Node, name: str) -> str:
+        """Return the key or index of the child that `name` refers to."""
         if isinstance(node.value, list):
             known = {child.role: index for index, child in node.children.items() if child.role}
             if name not in {*known, *node.children, "+"}:
@@ -43,6 +44,6 @@ class Override(NamedTuple):
                 raise ConfigError(f"{self.source}: {node.path} has no {name}; it has {has}")
             return known.get(name, name)
         if isinstance(node.value, str) or name == "+":
-            what = f"{node.path or 'the file'} is no {'list' if name == '+' else 'mapping'}"
+            what = f"{node.path or 'the file'} is not a {'list' if name == '+' else 'mapping'}"
             raise ConfigError(f"{self.source}: {what}, so {name} cannot be set in it")
         return name

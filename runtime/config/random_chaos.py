@@ -1,4 +1,4 @@
-"""Chaos by lot: which process is hit when, and how, drawn from a seed."""
+"""Random process faults, drawn from a seed."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,20 +14,20 @@ from runtime.config.tree import Node
 
 Manner = Literal["kill", "hang", "restart"]
 MANNERS: tuple[Manner, ...] = ("kill", "hang", "restart")
-"""Killed for good, stopped for a time, or killed and started again after a time."""
+"""Killed for good, suspended for a while, or killed and later started again."""
 _Seconds = Annotated[float, "s", Range(such_as="2 s", above=0)]
 
 
 @dataclass(frozen=True, kw_only=True)
 class RandomChaos:
-    """Faults of processes at random, drawn when the file is read.
+    """Random process faults, drawn when the file is read.
 
     Attributes:
-        rate: How many a second on average [Hz, of plant time].
-        roles: Whom they hit, each as likely; by default any process but the plant.
-        manners: How: kill, hang or restart, each as likely.
-        lasting: Shortest and longest time of a hang, or between kill and restart [s].
-        seed: What decides; by default the deployment's.
+        rate: Average rate of faults [Hz, plant time].
+        roles: Target roles, with equal probability; by default all but the plant.
+        manners: kill, hang or restart, with equal probability.
+        lasting: Minimum and maximum of a hang, or of the time from kill to restart [s].
+        seed: Seed of the draws; by default that of the deployment.
     """
 
     rate: Annotated[float, "Hz", Range(such_as="0.1 Hz", above=0, most=100)]
@@ -37,16 +37,21 @@ class RandomChaos:
     seed: Annotated[int, Range(such_as="1", least=0), Derived(lambda scope: scope["seed"])]
 
     def check(self, node: Node, scope: Scope) -> None:
-        """Refuse what cannot be drawn from."""
+        """Refuse a specification that no faults can be drawn from."""
         if scope["duration"] is None:
-            raise node.error("without a duration of the run it would never end; give one")
+            raise node.error("it needs a `duration` of the run")
         if not self.manners:
             raise node.find("manners").error("the list is empty; valid are kill, hang, restart")
         if self.lasting[0] > self.lasting[1]:
-            raise node.find("lasting").error("the shortest time is longer than the longest")
+            raise node.find("lasting").error("the minimum is larger than the maximum")
 
     def draw(self, roles: Sequence[str], duration: float) -> tuple[ChaosEvent, ...]:
-        """Return what happens to `roles`, unless others are wanted, in a run of `duration` [s]."""
+        """Draw the faults of a run.
+
+        Args:
+            roles: Target roles, unless the file lists others.
+            duration: Duration of the run [s, plant time].
+        """
         rng = np.random.default_rng([self.seed, 0xC4A05])
         events: list[ChaosEvent] = []
         at = float(rng.exponential(1 / self.rate))
@@ -61,9 +66,13 @@ class RandomChaos:
 
 
 def fault(role: str, manner: str, at: float, lasting: float) -> tuple[ChaosEvent, ...]:
-    """Return the events of one fault at plant time `at` [s], for a time [s] unless it is a kill.
+    """Return the events of one process fault.
 
-    Launcher and watcher are not started again by anybody: a restart of theirs is a kill.
+    Args:
+        role: The target.
+        manner: One of `MANNERS`; a restart of launcher or watcher is a kill.
+        at: When it begins [s, plant time].
+        lasting: Time of the hang, or from kill to restart [s, plant time].
     """
     if manner == "hang":
         return (ChaosEvent(at=at, hang=role, for_=lasting),)

@@ -1,9 +1,10 @@
-"""From a tree of nodes to typed values and back, led by nothing but type annotations.
+"""Typed values from a tree of nodes and back, by type annotations alone.
 
-What a value may be is said once, where it is declared: in a dataclass, or in the signature of a
+What a value may be is stated once, where it is declared: in a dataclass, or in the signature of a
 class that a deployment names. `kind_of` understands `float`, `int`, `bool`, `str`, `Path`,
 `Literal`, `tuple`, `Mapping`, `X | None`, dataclasses, classes with a `from_node`, and `Annotated`
-with a unit such as "m/s" (which goes for each number of a tuple too) or with a mark.
+with a unit such as "m/s", which applies to all numbers of a tuple, or with one of the annotations
+in `kinds`.
 """
 
 import inspect
@@ -43,23 +44,25 @@ from runtime.config.kinds import (
     Text,
     Whole,
 )
-from runtime.config.spelling import nearest
 from runtime.config.tree import Node
+from runtime.errors import nearest
 
 _M = TypeVar("_M")
 _TRUTH = Choice({"true": True, "yes": True, "on": True, "false": False, "no": False, "off": False})
 
 
 class Derived(NamedTuple):
-    """Mark: the default follows from what was read before."""
+    """Annotation: the default is computed from values read earlier."""
 
     make: Callable[[Scope], Any]
 
 
 class Rest(NamedTuple):
-    """Mark: a dict of all other keys, which are the fields that `find` returns for what was read.
+    """Annotation: a dict of all other keys.
 
-    If it returns None, they are kept as they were written.
+    Attributes:
+        find: Returns the fields of these keys for the values read earlier; None to keep the values
+            as they were written.
     """
 
     find: Callable[[Scope], "Sequence[Field] | None"]
@@ -67,9 +70,13 @@ class Rest(NamedTuple):
 
 @dataclass(frozen=True)
 class Field:
-    """A key of a mapping: its attribute or parameter, what it may be, and its default.
+    """A key of a mapping.
 
-    default: `MISSING` if there is none, or if it is derived
+    Attributes:
+        name: The name of the attribute or parameter.
+        kind: The kind of its value.
+        default: Its default; `MISSING` if there is none, or if it is derived.
+        derived: How its default is computed, if it is.
     """
 
     name: str
@@ -79,13 +86,13 @@ class Field:
 
     @property
     def key(self) -> str:
-        """How it is written in a file: `class` for `class_`."""
+        """The key in a file: `class` for `class_`."""
         return self.name.rstrip("_")
 
     @property
     def required(self) -> bool:
         """Whether it has no default."""
-        return self.default is MISSING and not self.derived and not isinstance(self.kind, Record)
+        return self.default is MISSING and not self.derived and not isinstance(self.kind, Structure)
 
     def read(self, node: Node, scope: Scope) -> Any:
         """Return its value in the mapping `node`, or its default."""
@@ -95,28 +102,31 @@ class Field:
             return self.derived.make(scope)
         if self.default is not MISSING:
             return self.default
-        if isinstance(self.kind, Record):  # made of defaults, if they suffice
-            return self.kind.read(Node(node.place, {}, self.key, node), scope)
+        if isinstance(self.kind, Structure):  # which may have defaults for all its keys
+            return self.kind.read(Node(node.location, {}, self.key, node), scope)
         raise node.error(
             f"the key {self.key!r} is missing, such as {self.key}: {self.kind.such_as}"
         )
 
     def write(self, value: Any) -> dict[str, Any]:
-        """Return the key with its value, or nothing for a default that no file can say."""
-        unsaid = value is None or (isinstance(value, float) and not math.isfinite(value))
-        if unsaid and value is self.default:
+        """Return the key with its value; nothing for a default that a file cannot hold."""
+        unwritable = value is None or (isinstance(value, float) and not math.isfinite(value))
+        if unwritable and value is self.default:
             return {}
         return {self.key: self.kind.write(value)}
 
 
 @dataclass(frozen=True)
-class Record(Kind):
-    """A mapping that becomes a dataclass, whose `check(node, scope)` may refuse it.
+class Structure(Kind):
+    """A mapping that becomes a dataclass.
 
-    If the class has `one_of`, one of these keys is given; if it has `short`, what is no mapping
-    stands for that key's value.
+    A method `check(node, scope)` of the class may raise an error. If the class has `one_of`,
+    exactly one of these keys must be given. If it has `short`, plain text is the value of that key.
 
-    rest: the field that takes all other keys, and what these are
+    Attributes:
+        type: The dataclass.
+        fields: Its keys.
+        rest: The field that takes all other keys, and its annotation.
     """
 
     type: type[Any]
@@ -132,9 +142,9 @@ class Record(Kind):
         return f"{{{first.key}: {first.kind.such_as}, ...}}"
 
     def read(self, node: Node, scope: Scope) -> Any:
-        """Return the dataclass, made of what the mapping says and of defaults."""
+        """Return the dataclass, made from the mapping and from defaults."""
         if isinstance(node.value, str) and (short := getattr(self.type, "short", "")):
-            node = Node(node.place, {short: node}, node.name, node.parent, node.key)
+            node = Node(node.location, {short: node}, node.name, node.parent, node.key)
         if not isinstance(node.value, dict):
             raise node.error(f"{node.text!r} is not a mapping, such as {self.such_as}")
         _refuse_others(node, self.fields, allowed=self.rest is not None)
@@ -148,8 +158,8 @@ class Record(Kind):
         one_of = getattr(self.type, "one_of", ())
         given = [key for key in one_of if key in node.children]
         if one_of and len(given) != 1:
-            what = f"{' and '.join(given) or 'none'} given, of which one is wanted"
-            raise node.error(f"{what}: {', '.join(one_of)}")
+            what = f"exactly one of {', '.join(one_of)} is needed"
+            raise node.error(f"{what}, got {' and '.join(given) or 'none'}")
         value = self.type(**values)
         if hasattr(value, "check"):
             value.check(node, around)
@@ -160,12 +170,12 @@ class Record(Kind):
         if fields is None:
             return {key: n.plain() for key, n in node.children.items() if key not in known}
         for taken in known & {field.key for field in fields}:
-            raise node.error(f"the key {taken!r} has a meaning here; no parameter can be named so")
+            raise node.error(f"the key {taken!r} is not available for a parameter of the class")
         _refuse_others(node, (*self.fields, *fields))
         return {field.name: field.read(node, scope) for field in fields}
 
     def write(self, value: Any) -> dict[str, Any]:
-        """Return the mapping, with the defaults."""
+        """Return the mapping, including defaults."""
         plain: dict[str, Any] = {}
         for field in self.fields:
             plain |= field.write(getattr(value, field.name))
@@ -182,19 +192,19 @@ class Record(Kind):
 
 
 @dataclass(frozen=True)
-class Own(Kind):
-    """A class that reads a value itself, by `from_node(node, scope)`; `str` writes it."""
+class Custom(Kind):
+    """A class that reads a value by its own `from_node(node, scope)`, and `str` writes it."""
 
     type: Any
 
     @property
     def such_as(self) -> str:
-        """What the class gives as an example."""
+        """The example of the class."""
         example: str = self.type.such_as
         return example
 
     def read(self, node: Node, scope: Scope) -> Any:
-        """Return what the class makes of it."""
+        """Return what the class reads."""
         return self.type.from_node(node, scope)
 
     def write(self, value: Any) -> str:
@@ -203,23 +213,31 @@ class Own(Kind):
 
 
 def _refuse_others(node: Node, fields: Sequence[Field], allowed: bool = False) -> None:
-    """Refuse what is no key of these; where others are allowed, what is meant for a missing one."""
+    """Refuse unknown keys; if others are allowed, only those close to a missing required key."""
     known = [field.key for field in fields]
     missing = [field.key for field in fields if field.required and field.key not in node.children]
     for key, child in node.children.items():
         hint = "" if key in known else nearest(key, missing if allowed else known)
         if hint or not (allowed or key in known):
             what = f"unknown key {key!r}{hint or ';'} valid are {', '.join(known)}"
-            what += ", and what its class takes" if allowed else ""
-            raise node.error(what, child.key or child.place)
+            what += ", and the parameters of its class" if allowed else ""
+            raise node.error(what, child.key or child.location)
 
 
 @cache
 def kind_of(annotation: Any, unit: Unit = "1") -> Kind:
-    """Return what an annotation lets a file say; raise `TypeError` for one that it cannot."""
+    """Return the kind of value of a type annotation.
+
+    Args:
+        annotation: The type annotation.
+        unit: The unit of numbers without one of their own.
+
+    Raises:
+        TypeError: A file cannot hold such a value.
+    """
     base, *marks = get_args(annotation) if get_origin(annotation) is Annotated else [annotation]
     unit = next((mark for mark in marks if mark in get_args(Unit)), unit)
-    bounds = _mark(marks, Range)
+    bounds = _find(marks, Range)
     origin, args = get_origin(base), get_args(base)
     if origin in (Union, UnionType) and NoneType in args and len(args) == 2:
         inner = next(arg for arg in args if arg is not NoneType)
@@ -227,45 +245,46 @@ def kind_of(annotation: Any, unit: Unit = "1") -> Kind:
     if origin is tuple:
         many = args[-1:] == (Ellipsis,)
         items = tuple(kind_of(arg, unit) for arg in args if arg is not Ellipsis)
-        return Items(items, many, bare=_mark(marks, OneOrMore) is not None)
+        return Items(items, many, bare=_find(marks, OneOrMore) is not None)
     if origin is Mapping:
         return Table(*(kind_of(arg) for arg in args))
     if origin is Literal:
         return Choice({str(value): value for value in args})
     if hasattr(base, "from_node"):
-        return Own(base)
+        return Custom(base)
     if is_dataclass(base):
-        return _record(base)
+        return _structure(base)
     leaves: dict[Any, Kind] = {
         float: Quantity(unit, bounds),
         int: Whole(bounds),
         bool: _TRUTH,
-        str: Text(_mark(marks, Pattern)),
-        Path: File(output=_mark(marks, Output) is not None),
+        str: Text(_find(marks, Pattern)),
+        Path: File(output=_find(marks, Output) is not None),
     }
     if base not in leaves:
         raise TypeError(f"a file cannot hold a {base!r}")
     return leaves[base]
 
 
-def _record(cls: Any) -> Record:
+def _structure(cls: Any) -> Structure:
     hints = get_type_hints(cls, include_extras=True)
     found, rest = [], None
     for field in fields(cls):
         marks = getattr(hints[field.name], "__metadata__", ())
-        if others := _mark(marks, Rest):
+        if others := _find(marks, Rest):
             rest = (field.name, others)
             continue
-        derived = _mark(marks, Derived)
+        derived = _find(marks, Derived)
         found.append(Field(field.name, kind_of(hints[field.name]), field.default, derived))
-    return Record(cls, tuple(found), rest)
+    return Structure(cls, tuple(found), rest)
 
 
 def parameters_of(factory: Callable[..., Any]) -> tuple[Field, ...]:
-    """Return the keyword-only parameters of a class, but optional ones that no file can hold.
+    """Return the keyword-only parameters of a class, without optional ones that no file can hold.
 
-    Raises `TypeError` for one without a default that no file can hold, or whose annotation is
-    missing, and `NameError` for an annotation that names nothing.
+    Raises:
+        TypeError: A required parameter has no annotation, or one that no file can hold.
+        NameError: An annotation uses an unknown name.
     """
     found = []
     for name, parameter in inspect.signature(factory, eval_str=True).parameters.items():
@@ -280,5 +299,5 @@ def parameters_of(factory: Callable[..., Any]) -> tuple[Field, ...]:
     return tuple(found)
 
 
-def _mark(marks: Iterable[Any], wanted: type[_M]) -> _M | None:
+def _find(marks: Iterable[Any], wanted: type[_M]) -> _M | None:
     return next((mark for mark in marks if isinstance(mark, wanted)), None)

@@ -1,4 +1,4 @@
-"""A JSON schema of what files may say, made from the same annotations that read them."""
+"""A JSON schema of deployment files, from the same annotations that read them."""
 
 import inspect
 import math
@@ -7,7 +7,7 @@ from dataclasses import MISSING
 from typing import Any
 
 from runtime.config.kinds import Choice, Items, Kind, Maybe, Quantity, Range, Table, Text, Whole
-from runtime.config.reading import Record, kind_of
+from runtime.config.reading import Structure, kind_of
 
 _NUMBER = r"([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?"
 
@@ -15,7 +15,7 @@ _NUMBER = r"([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?"
 def schema(annotation: Any) -> dict[str, Any]:
     """Return the JSON schema (draft 2020-12) of what `kind_of(annotation)` reads.
 
-    It knows the shape, not what follows from other values or from the classes that are named.
+    It covers the structure, but nothing that depends on other values or on the named classes.
     """
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **_of(kind_of(annotation))}
 
@@ -48,10 +48,10 @@ def _of(kind: Kind) -> dict[str, Any]:
         case Table(key, value):
             names = _of(key)
             return {"type": "object", "propertyNames": names, "additionalProperties": _of(value)}
-        case Record(type=of) if hasattr(of, "short"):
+        case Structure(type=of) if hasattr(of, "short"):
             short = next(field.kind for field in kind.fields if field.name == of.short)
             return {"anyOf": [_of(short), _object(kind)]}
-        case Record():
+        case Structure():
             return _object(kind)
         case _:
             return {"type": "string", "examples": [kind.such_as]}
@@ -70,7 +70,7 @@ def _bounds(bounds: Range | None) -> dict[str, float]:
     return {name: bound for name, bound in named.items() if math.isfinite(bound)}
 
 
-def _object(kind: Record) -> dict[str, Any]:
+def _object(kind: Structure) -> dict[str, Any]:
     doc = inspect.cleandoc(kind.type.__doc__ or "")
     properties = {}
     for field in kind.fields:
@@ -89,6 +89,6 @@ def _object(kind: Record) -> dict[str, Any]:
 
 
 def _note(doc: str, name: str) -> dict[str, str]:
-    """Return what the section `Attributes` of a docstring says of one of them."""
+    """Return the description of an attribute in a docstring's `Attributes` section."""
     found = re.search(rf"^    {name}: (.*(?:\n {{5,}}.*)*)", doc, re.MULTILINE)
     return {"description": " ".join(found[1].split())} if found else {}

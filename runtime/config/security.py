@@ -30,8 +30,8 @@ class KeyFolder:
     def from_node(cls, node: Node, scope: Scope) -> Self:
         """Read a path that is relative to the file that says it."""
         text = Text(Pattern(".+", "a folder", cls.such_as)).read(node, scope)
-        path = os.path.abspath(node.place.folder / os.path.expanduser(text))
-        return cls(Path(path), node.place.source)
+        path = os.path.abspath(node.location.folder / os.path.expanduser(text))
+        return cls(Path(path), node.location.source)
 
     def __str__(self) -> str:
         return str(self.path)

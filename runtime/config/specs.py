@@ -17,8 +17,8 @@ from runtime.config.classes import AgentClass, PathClass, blame
 from runtime.config.hosts import Home, Homes, check_homes
 from runtime.config.kinds import Pattern, Range, Scope, Text
 from runtime.config.reading import Derived, Rest
-from runtime.config.spelling import valid_are
 from runtime.config.tree import Node
+from runtime.errors import valid_are
 
 Role = Annotated[str, Pattern("[a-z][a-z0-9_-]*(/[0-9]+)?", "a role", "joint/1")]
 Metres = Annotated[float, "m"]
@@ -39,7 +39,7 @@ class Description:
         """Load the robot; a path is relative to the file that says it."""
         source = Text(None).read(node, scope)
         if Path(source).suffix or os.sep in source:
-            source = os.path.abspath(node.place.folder / os.path.expanduser(source))
+            source = os.path.abspath(node.location.folder / os.path.expanduser(source))
         try:
             return cls(source, urdf.load(source))
         except (OSError, ValueError) as error:
@@ -83,8 +83,9 @@ class Start:
         """Refuse a posture that the robot cannot take."""
         robot: Robot = scope["description"].robot
         if len(self.joints) != robot.n:
-            wanted = f"{robot.n} wanted: {', '.join(joint.name for joint in robot.joints)}"
-            raise node.find("joints").error(f"{len(self.joints)} angles given, {wanted}")
+            names = ", ".join(joint.name for joint in robot.joints)
+            what = f"expected {robot.n} angles, got {len(self.joints)}: {names}"
+            raise node.find("joints").error(what)
         for index, (angle, joint) in enumerate(zip(self.joints, robot.joints, strict=True)):
             if not joint.lower <= angle <= joint.upper:
                 written = node.find("joints", index)
@@ -92,7 +93,7 @@ class Start:
                 what = f"{written.text} is outside the limits of {joint.name}"
                 raise written.error(f"{what}, {lower} to {upper}")
         if self.platform is not None and robot.drive is None:
-            raise node.find("platform").error(f"{robot.name} stands on no platform; leave it out")
+            raise node.find("platform").error(f"{robot.name} has no platform; remove this key")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -183,11 +184,11 @@ class AgentSpec:
         if robot.drive:
             valid.append("platform")
         if self.role not in valid:
-            what = f"{robot.name} has no {self.role!r} to move"
+            what = f"{robot.name} has no part {self.role!r}"
             raise node.find("role").error(f"{what}{valid_are(self.role, valid)}")
         check_homes(self.host, node, scope)
         if len(self.host) > self.copies:
-            many = f"{len(self.host)} hosts for {self.copies} of it; say copies: {len(self.host)}"
+            many = f"{len(self.host)} hosts but copies: {self.copies}; set copies: {len(self.host)}"
             raise node.find("host").error(many)
         if self.class_.is_loaded:
             blame(node, lambda: self.build(robot, scope["period"], [0]))

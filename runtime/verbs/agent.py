@@ -5,8 +5,8 @@ from pathlib import Path
 
 from runtime.config.deployment import ProcessSpec
 from runtime.config.options import add_deployment_options, load_from
-from runtime.config.spelling import valid_are
 from runtime.config.tree import ConfigError
+from runtime.errors import valid_are
 from runtime.processes.roles import live
 
 

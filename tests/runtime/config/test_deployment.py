@@ -59,15 +59,15 @@ def test_a_mistake_is_told_with_its_place_and_what_is_valid(
 def test_a_platform_is_refused_where_the_robot_has_none() -> None:
     text = "robot: a\ndescription: planar5\nperiod: 1 ms\nagents: []\n"
     place = refused(text + "start: {platform: [0, 0, 0]}\n")
-    assert place == "x.yaml:5:19: start.platform: planar5 stands on no platform; leave it out"
+    assert place == "x.yaml:5:19: start.platform: planar5 has no platform; remove this key"
     still = "{role: platform, class: tests.runtime.own_agents:Still}"
     role = refused(text.replace("[]", f"[{still}]"))
-    assert role.startswith("x.yaml:4:17: agents.platform.role: planar5 has no 'platform' to move;")
+    assert role.startswith("x.yaml:4:17: agents.platform.role: planar5 has no part 'platform';")
 
 
 def test_more_agents_than_slots_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("runtime.config.deployment.FIRST_COPY", 4)
-    assert refused(GOOD) == "x.yaml:14:3: agents: 5 processes with plant and goal, of 4 at most"
+    assert refused(GOOD) == "x.yaml:14:3: agents: 5 processes with plant and goal; at most 4"
 
 
 @pytest.mark.parametrize("file", SHIPPED, ids=lambda file: file.stem)
@@ -110,7 +110,9 @@ def test_slots_are_plant_goal_and_the_agents_as_listed() -> None:
     assert deployment.roles == ("plant", "goal", "joint/1", "joint/2", "platform")
     assert deployment.slot("platform") == 4
     assert deployment.mesh.seat(2).listen == ("127.0.0.1", 7002)
-    with pytest.raises(ConfigError, match="nothing runs as 'joint/3'; did you mean 'joint/2'"):
+    with pytest.raises(
+        ConfigError, match="no process has the role 'joint/3'; did you mean 'joint/2'"
+    ):
         deployment.slot("joint/3")
 
 
@@ -212,7 +214,7 @@ def test_a_process_loads_the_class_of_its_own_role_only() -> None:
     deployment.build_agent("joint/2")
     with pytest.raises(ConfigError, match="loaded for another role"):
         deployment.build_agent("joint/1")
-    with pytest.raises(ConfigError, match="nothing runs as 'joint/5'"):
+    with pytest.raises(ConfigError, match="no process has the role 'joint/5'"):
         load("x.yaml", only_role="joint/5")
 
 

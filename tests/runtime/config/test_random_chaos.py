@@ -70,10 +70,10 @@ def test_anybody_but_the_plant_is_hit_unless_others_are_named() -> None:
     [
         ("{}", "random_chaos: the key 'rate' is missing, such as rate: 0.1 Hz"),
         ("{rate: 0}", "random_chaos.rate: 0 must be positive, such as 0.1 Hz"),
-        ("{rate: 1, roles: [plant]}", "random_chaos.roles.0: nothing runs as 'plant'"),
+        ("{rate: 1, roles: [plant]}", "random_chaos.roles.0: no process has the role 'plant'"),
         ("{rate: 1, manners: [slap]}", "'slap'"),
         ("{rate: 1, manners: []}", "the list is empty; valid are kill, hang, restart"),
-        ("{rate: 1, lasting: [3 s, 1 s]}", "the shortest time is longer than the longest"),
+        ("{rate: 1, lasting: [3 s, 1 s]}", "the minimum is larger than the maximum"),
     ],
 )
 def test_what_cannot_be_drawn_from_is_refused(text: str, says: str) -> None:
@@ -83,5 +83,5 @@ def test_what_cannot_be_drawn_from_is_refused(text: str, says: str) -> None:
 
 
 def test_without_an_end_nothing_can_be_drawn() -> None:
-    with pytest.raises(ConfigError, match="without a duration"):
+    with pytest.raises(ConfigError, match="needs a `duration`"):
         loaded("{rate: 1 Hz}", ("duration", "null"))

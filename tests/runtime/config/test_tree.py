@@ -26,7 +26,7 @@ def refused(text: str) -> str:
 
 def test_every_value_knows_where_it_was_written() -> None:
     root = parse("a:\n  - é: 1\n    b: [x, 2]\n", START)
-    assert str(root.find("a", 0, "b", 1).place) == "x.yaml:3:12"
+    assert str(root.find("a", 0, "b", 1).location) == "x.yaml:3:12"
     assert root.find("a", 0, "b", 1).path == "a.0.b.1"
     assert root.find("a", 0, "b").key == START._replace(line=3, column=5)
 
@@ -72,14 +72,14 @@ def test_aliases_and_merge_keys_are_written_out() -> None:
         ("a: b: c", "x.yaml:1:5: is not YAML: mapping values are not allowed in this context"),
         ("a:\n\tb: c", "x.yaml:2:1: is not YAML: found character that cannot start any token"),
         ("a: é\x01", "x.yaml:1:5: is not YAML: the character '\\x01' is not allowed"),
-        ("a: \udcff", "x.yaml:1:1: is not text in UTF-8"),
-        ("a: 1\nb: 2\na: 3", "x.yaml:3:1: the key 'a' is given twice: x.yaml:1:1 too"),
-        ("a: 1\n---\nb: 2", "x.yaml:2:1: a second document; one a file is wanted"),
+        ("a: \udcff", "x.yaml:1:1: is not UTF-8 text"),
+        ("a: 1\nb: 2\na: 3", "x.yaml:3:1: duplicate key 'a', first given at x.yaml:1:1"),
+        ("a: 1\n---\nb: 2", "x.yaml:2:1: a second document; a file must have only one"),
         ("? [1]\n: 2", "x.yaml:1:3: a key must be plain text"),
-        ("a: *b", "x.yaml:1:4: the alias *b has no &b yet"),
-        ("a: &b [*b]", "x.yaml:1:8: the alias *b has no &b yet"),
+        ("a: *b", "x.yaml:1:4: the alias *b has no anchor &b before it"),
+        ("a: &b [*b]", "x.yaml:1:8: the alias *b has no anchor &b before it"),
         ("{<<: 3}", "x.yaml:1:6: << takes a mapping, or a list of mappings"),
-        ("a: !b c", "x.yaml:1:4: the tag !b is not used here; leave it out"),
+        ("a: !b c", "x.yaml:1:4: the tag !b is not allowed; remove it"),
         ("[" * 200_000, "x.yaml:1:22: is nested deeper than 20 levels"),
     ],
 )
@@ -92,7 +92,7 @@ def test_what_is_not_yaml_or_not_wanted_of_it_is_refused_with_its_place(
 def test_a_bomb_of_aliases_is_refused_before_it_goes_off() -> None:
     lines = ["a0: &a0 [x, x, x, x, x, x, x, x, x, x]"]
     lines += [f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 10)}]" for n in range(1, 10)]
-    assert "more than 100000 values, with aliases written out" in refused("\n".join(lines))
+    assert "more than 100000 values, with aliases expanded" in refused("\n".join(lines))
 
 
 YAML_VALUES = st.recursive(
@@ -127,8 +127,8 @@ def test_a_file_that_cannot_be_read_is_named_with_the_reason(
         return str(caught.value)
 
     assert said("none.yaml") == "none.yaml: No such file or directory"
-    assert said("folder") == "folder: is a folder; a YAML file is wanted"
-    assert said("latin.yaml") == "latin.yaml:2: is not text in UTF-8; save it as UTF-8"
+    assert said("folder") == "folder: is a folder, not a YAML file"
+    assert said("latin.yaml") == "latin.yaml:2: is not UTF-8 text; save it as UTF-8"
     assert said("huge.yaml") == "huge.yaml: is larger than 4 MB"
     assert said("") == "'': No such file or directory"
 
@@ -172,7 +172,7 @@ def test_the_place_of_an_overridden_value_is_the_override() -> None:
 @pytest.mark.parametrize(
     ("path", "value", "says"),
     [
-        ("a..b", "1", "'a..b' is no path, such as goal.velocity"),
+        ("a..b", "1", "'a..b' is not a path, such as goal.velocity"),
         ("plain.x", "1", "plain is no mapping, so x cannot be set in it"),
         ("a.+", "1", "a is no list, so + cannot be set in it"),
         ("list.t", "1", "list has no t; it has r, s, + for a new one"),

@@ -50,7 +50,7 @@ def test_a_share_of_no_host_is_refused(robot: Robot) -> None:
     code, said = robot.run("--host", "amr", file=FILE)
     assert (code, said) == (
         2,
-        "msma: nothing runs on a host 'amr'; did you mean 'arm'? valid are robot, base, arm\n",
+        "msma: no process runs on a host 'amr'; did you mean 'arm'? valid are robot, base, arm\n",
     )
 
 
