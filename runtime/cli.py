@@ -38,7 +38,10 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 def _run(verb: str, arguments: Sequence[str]) -> int:
     module = importlib.import_module(_module(verb))
-    parser = argparse.ArgumentParser(prog=f"msma {verb}", description=module.__doc__)
+    form = argparse.RawDescriptionHelpFormatter
+    parser = argparse.ArgumentParser(
+        prog=f"msma {verb}", description=module.__doc__, formatter_class=form
+    )
     module.add_arguments(parser)
     code: int = module.run(parser.parse_args(arguments))
     return code

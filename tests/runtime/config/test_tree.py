@@ -173,14 +173,14 @@ def test_the_place_of_an_overridden_value_is_the_override() -> None:
     ("path", "value", "says"),
     [
         ("a..b", "1", "'a..b' is not a path, such as goal.velocity"),
-        ("plain.x", "1", "plain is no mapping, so x cannot be set in it"),
-        ("a.+", "1", "a is no list, so + cannot be set in it"),
+        ("plain.x", "1", "plain is not a mapping, so x cannot be set in it"),
+        ("a.+", "1", "a is not a list, so + cannot be set in it"),
         ("list.t", "1", "list has no t; it has r, s, + for a new one"),
         ("list.2", "1", "list has no 2; it has r, s, + for a new one"),
         ("a", "[1", "is not YAML: did not find expected ',' or ']'"),
     ],
 )
-def test_an_override_without_a_place_to_go_is_refused(path: str, value: str, says: str) -> None:
+def test_an_override_of_a_missing_value_is_refused(path: str, value: str, says: str) -> None:
     with pytest.raises(ConfigError) as caught:
         override(path, value)
     assert str(caught.value) == f"--set {path}={value}: {says}"
