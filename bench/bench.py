@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from plant.errors import MsmaError
-from studies.study import Row, Watch
+from studies.study import Progress, Row
 
 
 class BenchError(MsmaError, ValueError):
@@ -62,9 +62,9 @@ class Result:
         return all(check.passed for check in self.checks)
 
     @property
-    def held(self) -> bool:
+    def met(self) -> bool:
         """Whether no bar was missed."""
-        return all(bar.held is not False for bar in self.bars)
+        return all(bar.met is not False for bar in self.bars)
 
 
 class Bench(ABC):
@@ -74,11 +74,11 @@ class Bench(ABC):
     title: ClassVar[str]
 
     @abstractmethod
-    def measure(self, size: float, watch: Watch) -> Result:
+    def measure(self, size: float, progress: Progress) -> Result:
         """Measure.
 
         size: share of the full time, for a quick look; bars are meant for 1
-        watch: is told how far it is
+        progress: is told how far it is
         """
 
     def draw(self, result: Result, folder: Path) -> tuple[Path, ...]:

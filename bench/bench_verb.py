@@ -15,7 +15,7 @@ from bench.machine import Busy, describe
 from bench.registry import BENCHES, bench
 from bench.report import Report, page, tables, write
 from studies import verb_options
-from studies.study import Watch
+from studies.study import Progress
 
 MISSED, NOT_DONE = 3, 1
 """Exit codes when a bar was missed, and when the work that was timed was not done."""
@@ -32,17 +32,17 @@ def run(args: argparse.Namespace) -> int:
     reports = [one(name, args.out, args.size, pictures=not args.no_pictures) for name in names]
     if args.name == "all":
         (args.out / "bench.md").write_text(page(reports), encoding="utf-8")
-        print(f"all of it: {args.out / 'bench.md'}")
+        print(f"all benches: {args.out / 'bench.md'}")
     if not all(report.result.sound for report in reports):
         return NOT_DONE
-    return 0 if all(report.result.held for report in reports) else MISSED
+    return 0 if all(report.result.met for report in reports) else MISSED
 
 
 def one(name: str, folder: Path, size: float, *, pictures: bool = True) -> Report:
     """Run a bench, write what it measured into `folder`, print it, and return its report."""
     chosen = bench(name)
     machine, busy, begun = describe(), Busy(), time.perf_counter()
-    result = chosen.measure(size, Watch(_show if sys.stderr.isatty() else None))
+    result = chosen.measure(size, Progress(_show if sys.stderr.isatty() else None))
     took = time.perf_counter() - begun
     report = Report(chosen, result, machine, (), took, size, *busy.shares())
     console = verb_options.console()

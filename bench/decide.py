@@ -19,8 +19,8 @@ from plant.robot import Robot
 from plant.simulator import Simulator
 from plant.urdf import ROBOTS, load
 from studies import no_model
-from studies.arm_batch import PERIOD, AgentTeam
-from studies.study import Row, Watch
+from studies.arm_batch import PERIOD, ArmAgents
+from studies.study import Progress, Row
 
 ROUNDS, TICKS, BATCH = 9, 300, 1000
 """How often everything is measured, ticks of a run that is thought through, robots at once."""
@@ -37,23 +37,23 @@ class DecideBench(Bench):
     name = "decide"
     title = "Thinking: one decision, many at once, and the kinematics of others"
 
-    def measure(self, size: float, watch: Watch) -> Result:
+    def measure(self, size: float, progress: Progress) -> Result:
         """Measure all of it, in turn."""
         rounds = max(round(ROUNDS * size), 2)
-        watch.expect(4)
-        watch.at("single decisions")
+        progress.begin(4)
+        progress.step("single decisions")
         single = single_cases(TICKS)
         alone = in_turn({name: thinker(case, 1) for name, case in single.items()}, rounds)
-        watch.at("many decisions at once")
+        progress.step("many decisions at once")
         many = {name: batched(case, BATCH) for name, case in single.items()}
         together = in_turn({name: thinker(case, BATCH) for name, case in many.items()}, rounds)
-        watch.at("agent-steps")
+        progress.step("agent-steps")
         crews = in_turn(
             {f"{sees}, {count}": _crew(sees, count) for sees in ("blackboard", "auto")
              for count in CREWS},
             max(rounds // 3, 1),
         )  # fmt: skip
-        watch.at("kinematics beside others")
+        progress.step("kinematics beside others")
         arms = _arms()
         forward = {name: in_turn(_forwards(*arm), rounds) for name, arm in arms.items()}
         goals = max(round(GOALS * size), 20)
@@ -105,7 +105,7 @@ def _crew(sees: str, count: int) -> Callable[[], _CrewRun]:
         place = Kinematics(robot).forward(rng.uniform(-1.0, 1.0, (count, robot.n))).tip
         goal = Goal(place, np.zeros_like(place), 0.0, 0.0)
         plant = Simulator(robot, start, period=PERIOD)
-        processes = AgentTeam(robot, seed=1, perception=sees)
+        processes = ArmAgents(robot, seed=1, perception=sees)
         steps = min(STEPS, 400_000 // count)
         begun = time.perf_counter()
         for _ in range(steps):

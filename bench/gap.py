@@ -11,7 +11,7 @@ from bench.msma_runs import ARPH, deployed
 from runtime.results.gaps import arrivals, longest
 from runtime.results.run_log import RunLog, read_run_log
 from runtime.wire.topics import GOAL_SOURCE, PLATFORM_AGENT
-from studies.study import Row, Watch
+from studies.study import Progress, Row
 
 ROUNDS = 2
 FIRST, APART, LOOKED_AT = 3.0, 1.5, 1.2
@@ -48,16 +48,16 @@ class GapBench(Bench):
         roles = [agent.role for agent in deployed(ARPH).agents]
         self._rounds, self._victims = rounds, chaos_targets or [GOAL_SOURCE, *roles, LAUNCHER]
 
-    def measure(self, size: float, watch: Watch) -> Result:
+    def measure(self, size: float, progress: Progress) -> Result:
         """Hit one after the other, every one of them in each round."""
         rounds = max(round(self._rounds * size), 1)
-        watch.expect(rounds * len(BLOWS))
+        progress.begin(rounds * len(BLOWS))
         period = deployed(ARPH).period
         hits: list[Hit] = []
         done = []
         quiet = 0.0
         for number, blow in product(range(rounds), BLOWS):
-            watch.at(f"round {number + 1}, {blow}")
+            progress.step(f"round {number + 1}, {blow}")
             found, record, count = _round(blow, period, self._victims)
             hits += found
             done.append((f"round {number + 1}: processes hit by {BLOWS[blow]}", count))

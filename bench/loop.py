@@ -18,7 +18,7 @@ from bench.echo.workload import AGENTS, ROLES, Part, arguments
 from bench.interleaving import Ratio, in_turn, ratio
 from bench.machine import busy_cores, free_port
 from bench.msma_runs import ARPH, deployed, run_ours
-from studies.study import Row, Watch
+from studies.study import Progress, Row
 
 RATES = {17: 5.0, 100: 4.0, 500: 20.0, 1000: 6.0, 2000: 3.0}
 """Rate [Hz] to how long it is measured in each round [s]: to tell 99.99 % takes ten thousands."""
@@ -47,15 +47,15 @@ class LoopBench(Bench):
         """Measure at those rates [Hz], each for so long [s] in each round."""
         self._rates, self._rounds = rates, rounds
 
-    def measure(self, size: float, watch: Watch) -> Result:
+    def measure(self, size: float, progress: Progress) -> Result:
         """Measure all sides in turn at each rate."""
         rounds = max(round(self._rounds * min(4 * size, 1)), 1)
         off: dict[int, list[float]] = {rate: [] for rate in self._rates}
         sides = {
-            rate: _sides(rate, max(full * size, 1.0), off[rate], watch)
+            rate: _sides(rate, max(full * size, 1.0), off[rate], progress)
             for rate, full in self._rates.items()
         }
-        watch.expect(rounds * sum(len(at_rate) for at_rate in sides.values()))
+        progress.begin(rounds * sum(len(at_rate) for at_rate in sides.values()))
         checks: list[Check] = []
         found: dict[int, Runs] = {}
         for rate in self._rates:
@@ -96,7 +96,7 @@ class LoopBench(Bench):
 
 
 def _sides(
-    rate: int, seconds: float, off: list[float], watch: Watch
+    rate: int, seconds: float, off: list[float], progress: Progress
 ) -> dict[str, Callable[[], Measured]]:
     """Return what measures each side at a rate [Hz], for so long [s].
 
@@ -117,7 +117,7 @@ def _sides(
 
     def shown(side: str, measure: Callable[[], Measured]) -> Callable[[], Measured]:
         def go() -> Measured:
-            watch.at(f"{rate} Hz, {side}")
+            progress.step(f"{rate} Hz, {side}")
             return measure()
 
         return go

@@ -1,4 +1,4 @@
-"""Our plant as a process of its own, with the stop-watch of the benches in place of its meters."""
+"""Our plant as a process of its own, with the stopwatch of the benches in place of its meters."""
 
 import argparse
 from pathlib import Path

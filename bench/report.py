@@ -36,13 +36,13 @@ class Report:
 
     @property
     def summary(self) -> str:
-        """How it went, in words."""
-        barred = [bar for bar in self.result.bars if bar.held is not None]
-        held = sum(bool(bar.held) for bar in barred)
+        """The outcome as text."""
+        barred = [bar for bar in self.result.bars if bar.met is not None]
+        met = sum(bool(bar.met) for bar in barred)
         part = "" if self.size == 1 else f", {100 * self.size:g} % of the time"
         done = "" if self.result.sound else "; THE WORK WAS NOT DONE"
         return (
-            f"{held} of {len(barred)} bars held, {self.seconds:.0f} s{part}, cores "
+            f"{met} of {len(barred)} bars met, {self.seconds:.0f} s{part}, cores "
             f"{100 * self.busy:.0f} % busy, {100 * self.stolen:.1f} % taken by the host{done}"
         )
 
@@ -91,7 +91,7 @@ def as_json(report: Report) -> str:
             "busy": round(report.busy, 4),
             "stolen": round(report.stolen, 4),
             "sound": result.sound,
-            "held": result.held,
+            "met": result.met,
             "checks": [asdict(check) for check in result.checks],
             "bars": [asdict(bar) for bar in result.bars],
             "tables": [asdict(table) for table in result.tables],

@@ -20,7 +20,7 @@ from runtime.results.gaps import arrivals
 from runtime.results.logs import read_log
 from runtime.results.run_log import read_run_log
 from runtime.wire.topics import PLANT
-from studies.study import Row, Watch
+from studies.study import Progress, Row
 
 SIZES = (4, 8, 16, 32, 64)
 PERIOD, SECONDS = 0.06, 5.0
@@ -68,17 +68,17 @@ class ScaleBench(Bench):
         """Grow through these numbers of joints; `hosts`: over three hosts as well."""
         self._sizes, self._hosts = sizes, hosts
 
-    def measure(self, size: float, watch: Watch) -> Result:
+    def measure(self, size: float, progress: Progress) -> Result:
         """Measure every arm with a full mesh, then with star, then on three hosts."""
         seconds = max(SECONDS * size, 1.0)
         sides = [(side, n) for n in self._sizes for side in (FULL, STAR)]
         if self._hosts:
             sides += [(HOSTS, n) for n in self._sizes if n <= HOSTS_UP_TO]
-        watch.expect(len(sides))
+        progress.begin(len(sides))
         found: dict[str, list[Grown]] = {}
         failed = []
         for side, joints in sides:
-            watch.at(f"{joints} joints, {side}")
+            progress.step(f"{joints} joints, {side}")
             try:
                 found.setdefault(side, []).append(_grow(joints, side, seconds))
             except BenchError as error:

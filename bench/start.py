@@ -22,7 +22,7 @@ from runtime.results.logs import read_log
 from runtime.results.run_log import read_run_log
 from runtime.spawning.tasks import ChildProcess, Task, spawn
 from runtime.wire.topics import PLANT
-from studies.study import Row, Watch
+from studies.study import Progress, Row
 
 LAUNCHES, REVIVALS = 5, 4
 SHORT = 1.5
@@ -45,15 +45,15 @@ class StartBench(Bench):
     name = "start"
     title = "From the command to the first motion, and from a revival to being obeyed"
 
-    def measure(self, size: float, watch: Watch) -> Result:
+    def measure(self, size: float, progress: Progress) -> Result:
         """Launch and revive, several times."""
         launches, rounds = max(round(LAUNCHES * size), 1), max(round(REVIVALS * size), 1)
-        watch.expect(launches + 1)
+        progress.begin(launches + 1)
         starts: list[Times] = []
         for number in range(launches):
-            watch.at(f"launch {number + 1}")
+            progress.step(f"launch {number + 1}")
             starts.append(_launch(number))
-        watch.at("revivals")
+        progress.step("revivals")
         ways = _revive(rounds)
         moved = [sum(each.values()) - each[ALL_OBEYED] for each in starts]
         revived = {way: [sum(each.values()) for each in times] for way, times in ways.items()}

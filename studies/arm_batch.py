@@ -1,7 +1,7 @@
-"""All joint agents of many arms at once, and how they meet the plant: in step, late, losing words.
+"""The joint agents of many arms at once, with asynchronous agents and message loss as options.
 
-Where `lockstep` keeps a trace of everything, this keeps only how near the hands came, so that
-thousands of arms fit in memory.
+Unlike `lockstep`, which records everything, this records only the distances from the hands to their
+goals, so that thousands of arms fit in memory.
 """
 
 from collections.abc import Callable
@@ -18,40 +18,40 @@ from plant.robot import Robot
 from plant.simulator import Simulator
 
 PERIOD = 0.1
-"""Of the agents [s]: at 50 deg/s, a step is at most 5 deg."""
+"""Period of the agents [s]: at 50 deg/s, a step is at most 5 deg."""
 NEAR = 0.005
 """Distance from the goal that counts as near [m]."""
 SETTLED = 10
-"""Steps at the end over which the worst distance is taken: 1 s."""
+"""Number of last steps (1 s) over which the worst distance is taken."""
 
 
 @dataclass(frozen=True)
-class Meeting:
-    """How agents and plant meet.
+class Coupling:
+    """How the agents exchange messages with the plant.
 
     Attributes:
-        ticks: Plant steps in one period of the agents.
-        out_of_step: Whether each agent acts at a moment of its own within the period.
-        loss: Share of the messages that are lost, of the percepts and of the commands.
+        ticks: Number of plant steps in one period of the agents.
+        asynchronous: Whether each agent acts at its own time within the period.
+        loss: Share of the percepts, and of the commands, that are lost.
     """
 
     ticks: int = 1
-    out_of_step: bool = False
+    asynchronous: bool = False
     loss: float = 0.0
 
 
-IN_STEP = Meeting()
+SYNCHRONOUS = Coupling()
 
 
-class Reached(NamedTuple):
-    """How near many hands came to their goals.
+class ReachResult(NamedTuple):
+    """How near the hands of B arms came to their goals.
 
     Attributes:
-        steps: (B,) agents' steps until the hand was first near, infinite if it never was.
+        steps: (B,) steps of the agents until the hand was first near; infinite if it never was.
         end: (B,) distance at the end [m].
-        settled: (B,) the worst distance in the last second [m].
+        settled: (B,) worst distance in the last second [m].
         history: (K, B) distance after each step [m].
-        q: (B, n) where the joints came to stand [rad].
+        q: (B, n) joint angles at the end [rad].
     """
 
     steps: Array
@@ -61,32 +61,37 @@ class Reached(NamedTuple):
     q: Array
 
 
-class AgentTeam:
-    """The joint agents of a batch of equal arms, each with chance of its own."""
+class ArmAgents:
+    """The joint agents of a batch of equal arms."""
 
     def __init__(
-        self, robot: Robot, *, seed: int, meeting: Meeting = IN_STEP, believed: Robot | None = None,
-        make: Callable[..., Agent] = JointAgent, **parameters: Any,
+        self, robot: Robot, *, seed: int, coupling: Coupling = SYNCHRONOUS,
+        assumed: Robot | None = None, make: Callable[..., Agent] = JointAgent, **parameters: Any,
     ) -> None:  # fmt: skip
-        """Bring one agent per joint to life.
+        """Make one agent for each joint.
 
-        believed: the robot that they think they are part of, if another one
-        make, parameters: the agents' class, and what a deployment file would set of it
+        Args:
+            robot: The arm that is simulated.
+            seed: Seed of all random numbers.
+            coupling: How agents and plant exchange messages.
+            assumed: The robot that the agents are given as their model; by default `robot`.
+            make: Class of the agents.
+            **parameters: Parameters of the agents, as in a deployment file.
         """
-        self._meeting = meeting
+        self._meeting = coupling
         self._rng = np.random.default_rng([seed, robot.n])
         self._agents = [
-            make(Body(believed or robot, i, PERIOD, [seed, i]), **parameters)
-            for i in range(robot.n)
+            make(Body(assumed or robot, i, PERIOD, [seed, i]), **parameters) for i in range(robot.n)
         ]
-        spread = meeting.ticks if meeting.out_of_step else 1
+        spread = coupling.ticks if coupling.asynchronous else 1
         self._phase = [(i * spread) // robot.n for i in range(robot.n)]
-        self._told: Array | None = None
+        self._commanded: Array | None = None
         self._tick = 0
 
     def commands(self, plant: Simulator, goal: Goal) -> Commands:
-        """Return what the motors are told now; who is not due, or not heard, is as before."""
-        told = np.zeros_like(plant.state.q) if self._told is None else np.array(self._told)
+        """Return the commands in force now; one that is not due, or was lost, stays as it was."""
+        shape = plant.state.q.shape
+        velocities = np.zeros(shape) if self._commanded is None else np.array(self._commanded)
         due = [i for i, at in enumerate(self._phase) if self._tick % self._meeting.ticks == at]
         self._tick += 1
         if due:
@@ -102,43 +107,51 @@ class AgentTeam:
             if loss and self._rng.random() < loss:
                 continue
             velocity = self._agents[i].decide(percepts)
-            wanted = np.zeros(told.shape[:-1]) if velocity is None else velocity
+            wanted = np.zeros(shape[:-1]) if velocity is None else velocity
             if loss:
-                lost = self._rng.random(told.shape[:-1]) < loss
-                wanted = np.where(lost, told[..., i], wanted)
-            told[..., i] = wanted
-        self._told = told
-        return Commands(told)
+                lost = self._rng.random(shape[:-1]) < loss
+                wanted = np.where(lost, velocities[..., i], wanted)
+            velocities[..., i] = wanted
+        self._commanded = velocities
+        return Commands(velocities)
 
 
 def reach(
-    robot: Robot, q: Array, place: Array, *, steps: int, seed: int = 0,
-    faults: tuple[Fault, ...] = (), meeting: Meeting = IN_STEP, enough: float = 0.0,
+    robot: Robot, q: Array, goals: Array, *, steps: int, seed: int = 0,
+    faults: tuple[Fault, ...] = (), coupling: Coupling = SYNCHRONOUS, enough: float = 0.0,
     **parameters: Any,
-) -> Reached:  # fmt: skip
-    """Let the agents of arms at `q` (B, n) [rad] bring the hands to `place` (B, 3) [m].
+) -> ReachResult:  # fmt: skip
+    """Let the agents move the hands of B arms to their goals.
 
-    steps: of the agents, at most; it ends sooner when all hands were within `enough` [m] for 1 s.
-    parameters: see `AgentTeam`
+    Args:
+        robot: The arm.
+        q: (B, n) joint angles at the start [rad].
+        goals: (B, 3) goals [m].
+        steps: Most steps of the agents.
+        seed: Seed of all random numbers.
+        faults: Faults of all arms, from the start.
+        coupling: How agents and plant exchange messages.
+        enough: The run ends when all hands have been nearer than this for 1 s [m].
+        **parameters: See `ArmAgents`.
     """
     plant = Simulator(
-        robot, q, period=PERIOD / meeting.ticks, faults=faults,
+        robot, q, period=PERIOD / coupling.ticks, faults=faults,
         rng=np.random.default_rng([seed, 1000]),
     )  # fmt: skip
-    team = AgentTeam(robot, seed=seed, meeting=meeting, **parameters)
-    goal = Goal(place, np.zeros_like(place), 0.0, 0.0)
-    history = np.empty((steps + 1, len(place)))
+    agents = ArmAgents(robot, seed=seed, coupling=coupling, **parameters)
+    goal = Goal(goals, np.zeros_like(goals), 0.0, 0.0)
+    history = np.empty((steps + 1, len(goals)))
     quiet = 0
     for step in range(steps + 1):
-        away = plant.hand().position - place
+        away = plant.hand().position - goals
         history[step] = np.sqrt((away * away).sum(axis=-1))
         quiet = quiet + 1 if history[step].max() < enough else 0
         if quiet > SETTLED or step == steps:
             break
-        for _ in range(meeting.ticks):
-            plant.step(team.commands(plant, goal))
+        for _ in range(coupling.ticks):
+            plant.step(agents.commands(plant, goal))
     history = history[: step + 1]
     near = history < NEAR
     first = np.where(near.any(axis=0), near.argmax(axis=0), np.inf)
     last = history[-SETTLED:].max(axis=0)
-    return Reached(first, history[-1], last, history, plant.state.q)
+    return ReachResult(first, history[-1], last, history, plant.state.q)

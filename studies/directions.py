@@ -8,9 +8,9 @@ import numpy as np
 from agents.agent import Agent
 from studies.baselines.central import as_agents
 from studies.baselines.mim import Mim
-from studies.goal_runs import LENGTH, MARGIN, Trips, follow, go
+from studies.goal_runs import LENGTH, MARGIN, GoalRuns, follow, go
 from studies.mobile import ARPH, msma
-from studies.study import Claim, Findings, Row, Study, Watch, share
+from studies.study import Claim, Findings, Progress, Row, Study, share
 
 GOALS = 50
 LASTING = 3.0  # [s] bar on a deadlock
@@ -20,8 +20,8 @@ LASTING = 3.0  # [s] bar on a deadlock
 class DirectionsFound(Findings):
     """What the study found."""
 
-    paths: Trips
-    points: Trips
+    paths: GoalRuns
+    points: GoalRuns
 
 
 class Directions(Study[DirectionsFound]):
@@ -30,15 +30,15 @@ class Directions(Study[DirectionsFound]):
     name = "directions"
     title = "All directions: paths and goals ahead, beside, behind, above and under the arm"
 
-    def measure(self, size: float, watch: Watch) -> DirectionsFound:
+    def measure(self, size: float, progress: Progress) -> DirectionsFound:
         """Follow the paths, and go to a share `size` of the standing goals."""
         count = max(round(GOALS * size), 4)
-        watch.expect(4)
-        watch.at("paths", 1)
+        progress.begin(4)
+        progress.step("paths", 1)
         paths = follow(msma)
-        watch.at("goals", 1)
+        progress.step("goals", 1)
         points = go(msma, count)
-        watch.at("MIM", 2)
+        progress.step("MIM", 2)
         paths_mim, points_mim = follow(_mim), go(_mim, count)
         return DirectionsFound(
             rows=(
@@ -86,48 +86,48 @@ def _mim() -> dict[str, Agent]:
     return as_agents(Mim(ARPH), ARPH)
 
 
-def _rows(name: str, trips: Trips) -> tuple[Row, ...]:
-    done, can = int(trips.success.sum()), trips.success.size
-    back, straight = trips.reversed.max(), trips.stretched.max()
-    _, *others = _shown(name, trips)
+def _rows(name: str, runs: GoalRuns) -> tuple[Row, ...]:
+    done, can = int(runs.success.sum()), runs.success.size
+    back, straight = runs.reversed.max(), runs.stretched.max()
+    _, *others = _shown(name, runs)
     return (
         Row(f"within 3 mm at the end, {name}", "100 % of the reachable", share(done, can),
             done == can),
-        Row(f"longest deadlock, {name}", f"at most {LASTING:g} s", f"{trips.stuck.max():.1f} s",
-            bool(trips.stuck.max() <= LASTING)),
+        Row(f"longest deadlock, {name}", f"at most {LASTING:g} s", f"{runs.stuck.max():.1f} s",
+            bool(runs.stuck.max() <= LASTING)),
         Row(f"farthest in reverse, {name}", "none", f"{back:.3f} m", bool(back == 0.0)),
         Row(f"longest with the elbow under 15 deg, {name}", "never",
-            f"{straight:.1f} s ({int((trips.stretched > 0).sum())} of {len(trips.labels)} trips)",
+            f"{straight:.1f} s ({int((runs.stretched > 0).sum())} of {len(runs.labels)} runs)",
             bool(straight == 0.0)),
         *others,
     )  # fmt: skip
 
 
-def _shown(name: str, trips: Trips) -> tuple[Row, ...]:
-    came = trips.time[np.isfinite(trips.time)]
+def _shown(name: str, runs: GoalRuns) -> tuple[Row, ...]:
+    came = runs.time[np.isfinite(runs.time)]
     time = f"{np.median(came):.1f} s, {came.max():.1f} s" if came.size else "never"
     return (
-        Row(f"within 3 mm at the end, {name}", "", share(trips.success.sum(), trips.success.size)),
+        Row(f"within 3 mm at the end, {name}", "", share(runs.success.sum(), runs.success.size)),
         Row(f"time until it stays within 3 mm, median and most, {name}", "", time),
         Row(f"the platform's way, median and most, {name}", "",
-            f"{np.median(trips.length):.2f} m, {trips.length.max():.2f} m"),
-        Row(f"trips with cusps, {name}", "", str(int((trips.cusps > 0).sum()))),
-        Row(f"SPARC of the hand, median, {name}", "", f"{np.median(trips.sparc):.2f}"),
+            f"{np.median(runs.length):.2f} m, {runs.length.max():.2f} m"),
+        Row(f"runs with cusps, {name}", "", str(int((runs.cusps > 0).sum()))),
+        Row(f"SPARC of the hand, median, {name}", "", f"{np.median(runs.sparc):.2f}"),
         Row(f"times without progress, entered and left, {name}", "",
-            f"{trips.entered.sum()}, {trips.left.sum()}"),
+            f"{runs.entered.sum()}, {runs.left.sum()}"),
     )  # fmt: skip
 
 
-def _misses(name: str, trips: Trips) -> str:
+def _misses(name: str, runs: GoalRuns) -> str:
     words = []
-    for row, label in enumerate(trips.labels):
+    for row, label in enumerate(runs.labels):
         faults = []
-        if not trips.success[row]:
-            faults.append(f"{1e3 * trips.trace[row].error[-1]:.1f} mm left")
-        if trips.stuck[row] > LASTING:
-            faults.append(f"{trips.stuck[row]:.1f} s without progress")
-        if trips.stretched[row] > 0:
-            faults.append(f"elbow under 15 deg for {trips.stretched[row]:.1f} s")
+        if not runs.success[row]:
+            faults.append(f"{1e3 * runs.trace[row].error[-1]:.1f} mm left")
+        if runs.stuck[row] > LASTING:
+            faults.append(f"{runs.stuck[row]:.1f} s without progress")
+        if runs.stretched[row] > 0:
+            faults.append(f"elbow under 15 deg for {runs.stretched[row]:.1f} s")
         if faults:
             words.append(f"{label}: {', '.join(faults)}")
     return f"{name}: " + ("; ".join(words) if words else "nothing missed") + "."

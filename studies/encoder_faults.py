@@ -1,4 +1,4 @@
-"""An encoder is stuck, lost or wrong while its motor works: what each perception makes of it."""
+"""One encoder stuck, lost or biased while its motor works, with each perception."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,39 +12,39 @@ from plant.robot import Robot
 from plant.urdf import load
 from studies.arm_batch import NEAR, reach
 from studies.planar_reach import anywhere
-from studies.study import Claim, Findings, Row, Study, Watch, share
+from studies.study import Claim, Findings, Progress, Row, Study, share
 
 Perception = Literal["blackboard", "localiser", "auto"]
 PERCEPTIONS: tuple[Perception, ...] = ("blackboard", "localiser", "auto")
 FAULTS = {"stuck": None, "lost": None, "biased": float(np.radians(10.0))}
 STEPS = 600
-"""Of 0.1 s."""
+"""Steps of 0.1 s."""
 
 
 @dataclass(frozen=True)
 class Found(Findings):
-    """What the picture needs: distances at the end by fault and perception [m]."""
+    """Results of the study: distances at the end by fault and perception [m]."""
 
     ends: dict[tuple[str, str], Array]
 
 
 class EncoderFaults(Study[Found]):
-    """One of five encoders is wrong from the start."""
+    """One of five encoders is faulty from the start."""
 
     name = "encoder-faults"
-    title = "One encoder is stuck, lost or biased while its motor works"
+    title = "One encoder stuck, lost or biased while its motor works"
 
-    def measure(self, size: float, watch: Watch) -> Found:
-        """Put each fault on each encoder, under each perception."""
+    def measure(self, size: float, progress: Progress) -> Found:
+        """Run each fault of each encoder with each perception."""
         robot = load("planar5")
-        watch.expect(len(FAULTS) * len(PERCEPTIONS) * robot.n)
+        progress.begin(len(FAULTS) * len(PERCEPTIONS) * robot.n)
         count = max(round(60 * size), 4)
         ends: dict[tuple[str, str], Array] = {}
         for fault in FAULTS:
             for perception in PERCEPTIONS:
                 parts = []
                 for joint in range(robot.n):
-                    watch.at(f"encoder {joint + 1} {fault}, {perception}")
+                    progress.step(f"encoder {joint + 1} {fault}, {perception}")
                     parts.append(one(robot, joint, fault, perception, count))
                 ends[fault, perception] = np.concatenate(parts)
         return Found(
@@ -55,17 +55,17 @@ class EncoderFaults(Study[Found]):
         )
 
     def draw(self, found: Found, folder: Path) -> tuple[Path, ...]:
-        """Draw where the hands end."""
+        """Draw the distances at the end."""
         from studies.drawing.planar_studies import encoder_faults
 
         return (encoder_faults(found.ends, folder / "encoder-faults.png"),)
 
 
 def one(robot: Robot, joint: int, fault: str, perception: Perception, count: int) -> Array:
-    """Return the worst distances in the last second (B,) [m] with one encoder at fault."""
-    q, place = anywhere(robot, np.random.default_rng([33, joint]), count, 0.05)
+    """Return the worst distances in the last second (B,) [m] with one faulty encoder."""
+    q, goals = anywhere(robot, np.random.default_rng([33, joint]), count, 0.05)
     reached = reach(
-        robot, q, place, steps=STEPS, seed=joint,
+        robot, q, goals, steps=STEPS, seed=joint,
         faults=(Fault(f"encoder/{joint + 1}", fault, FAULTS[fault]),), enough=NEAR / 20,
         perception=perception,
     )  # fmt: skip
@@ -88,16 +88,16 @@ def _claims(ends: dict[tuple[str, str], Array]) -> tuple[Claim, ...]:
     return (
         Claim('"If a blackboard is used [...] joint encoders must not be out of order even if '
               'motor is." (3.2.3)',
-              f"so it is. Within 5 mm with the blackboard: {said('blackboard')}"),
+              f"confirmed. Within 5 mm with the blackboard: {said('blackboard')}"),
         Claim('"In this simulation we can use only the end effector position knowledge" (3.2.2): '
               '"joint encoder out of order or not"',
-              f"with the localiser: {said('localiser')}; and `auto`, which believes the blackboard "
-              f"while it explains what the eye sees: {said('auto')}"),
+              f"with the localiser: {said('localiser')}; with `auto`, which uses the blackboard "
+              f"while it agrees with the localiser: {said('auto')}"),
     )  # fmt: skip
 
 
 NOTES = (
-    "The fault is there from the start, on each of the five encoders in turn; biased is by 10 deg. "
-    "With an encoder lost the blackboard is silent, so nothing moves.",
-    "Goals at least 5 cm inside the reachable area; 60 s.",
+    "The fault is present from the start, in each of the five encoders in turn; a bias is 10 deg. "
+    "With an encoder lost there are no joint states, so with the blackboard nothing moves.",
+    "Goals are at least 5 cm inside the reachable area; each run lasts 60 s.",
 )

@@ -25,7 +25,7 @@ from studies.lockstep import Trace, run
 from studies.mobile import ARPH, DURATION, PERIOD, msma, plant, task
 from studies.motion_measures import spectral_arc_length
 from studies.platform_measures import cusps, path_roughness, reversal
-from studies.study import Claim, Findings, Row, Study, Watch, share
+from studies.study import Claim, Findings, Progress, Row, Study, share
 
 WHO = ("MSMA", "MIM", "pink", "holistic")
 LOOSER = (0.01, 0.03, 0.1)
@@ -71,20 +71,20 @@ class Tried(NamedTuple):
 
 
 @dataclass(frozen=True)
-class ToldFound(Findings):
+class ComparisonFound(Findings):
     """What the study found."""
 
     maps: tuple[Cells, ...]
     tried: tuple[Tried, ...]
 
 
-class ToldNothing(Study[ToldFound]):
+class FaultComparison(Study[ComparisonFound]):
     """The same task, robot, limits, period and faults for MSMA and for what there is else."""
 
     name = "told-nothing"
     title = "Nobody is told of a fault: MSMA beside MIM, a whole-body QP and a holistic QP"
 
-    def measure(self, size: float, watch: Watch) -> ToldFound:
+    def measure(self, size: float, progress: Progress) -> ComparisonFound:
         """Try all on a share `size` of the cells of each map."""
         every = max(round(1.0 / max(size, 1e-3)), 1)
         maps = (
@@ -94,18 +94,18 @@ class ToldNothing(Study[ToldFound]):
             half_speeds().part(slice(None, None, every)),
         )
         costs = {"MSMA": 4.0, "MIM": 3.0, "pink": 120.0, "holistic": 80.0}
-        watch.expect(25 + sum(costs.values()))
-        watch.at("oracle", 25)
+        progress.begin(25 + sum(costs.values()))
+        progress.step("oracle", 25)
         possible = [oracle(cells) for cells in maps]
         tried = []
         for name in WHO:
-            watch.at(name, costs[name])
+            progress.step(name, costs[name])
             outcomes = tuple(
                 outcome(cells, play(cells, agents=agents(name)), able)
                 for cells, able in zip(maps, possible, strict=True)
             )
             tried.append(Tried(name, nominal(name), outcomes))
-        return ToldFound(
+        return ComparisonFound(
             rows=_rows(tried, maps),
             claims=(
                 Claim(
@@ -128,7 +128,7 @@ class ToldNothing(Study[ToldFound]):
             tried=tuple(tried),
         )
 
-    def draw(self, found: ToldFound, folder: Path) -> tuple[Path, ...]:
+    def draw(self, found: ComparisonFound, folder: Path) -> tuple[Path, ...]:
         """Write the comparison."""
         from studies.drawing.comparison import compared
 

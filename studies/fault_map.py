@@ -19,7 +19,7 @@ from studies.fault_cells import (
     single_locks,
 )
 from studies.mobile_reach import Bools
-from studies.study import Claim, Findings, Row, Study, Watch, share
+from studies.study import Claim, Findings, Progress, Row, Study, share
 
 NEAR_STRAIGHT = np.radians(15.0)
 """Bar on the elbow [rad]."""
@@ -42,7 +42,7 @@ class FaultMap(Study[MapFound]):
     name = "fault-map"
     title = "Every joint locked at every angle: what is followed, what could be"
 
-    def measure(self, size: float, watch: Watch) -> MapFound:
+    def measure(self, size: float, progress: Progress) -> MapFound:
         """Run all maps; of the pairs a share `size`."""
         pairs = pair_locks()
         some = slice(None, None, max(round(1.0 / max(size, 1e-3)), 1))
@@ -53,14 +53,14 @@ class FaultMap(Study[MapFound]):
             (killed_agents(), 4.0, 1.0),
             (half_speeds(), 4.0, 1.0),
         ]
-        watch.expect(sum(cost for _, cost, _ in work) + 3.0)
+        progress.begin(sum(cost for _, cost, _ in work) + 3.0)
         maps, rows = [], []
         for cells, cost, least in work:
-            watch.at(cells.name, cost)
+            progress.step(cells.name, cost)
             found = Map(cells, outcome(cells, play(cells), oracle(cells)))
             maps.append(found)
             rows += map_rows(found, least)
-        watch.at("encoders lost", 3.0)
+        progress.step("encoders lost", 3.0)
         by_eye = _blind(maps[1])
         maps.append(by_eye)
         rows += _shown(by_eye)

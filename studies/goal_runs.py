@@ -23,7 +23,7 @@ AFTER = 4.0  # [s] for a path, once its end stands still
 STRAIGHT = np.radians(15.0)
 
 
-class Trips(NamedTuple):
+class GoalRuns(NamedTuple):
     """Ways to goals, (B,) each.
 
     Attributes:
@@ -82,7 +82,7 @@ def limits() -> tuple[float, float]:
     return MARGIN, float(highest) - MARGIN
 
 
-def follow(agents: Callable[[], dict[str, Agent]]) -> Trips:
+def follow(agents: Callable[[], dict[str, Agent]]) -> GoalRuns:
     """Lead the hand along all straight paths, those of equal length at once."""
     speed = float(np.linalg.norm(VELOCITY))
     every = legs()
@@ -99,7 +99,7 @@ def follow(agents: Callable[[], dict[str, Agent]]) -> Trips:
     return _judged(tuple(labels), tuple(traces[i] for i in range(len(every))))
 
 
-def go(agents: Callable[[], dict[str, Agent]], count: int, seed: int = 4) -> Trips:
+def go(agents: Callable[[], dict[str, Agent]], count: int, seed: int = 4) -> GoalRuns:
     """Lead the hand to `count` standing goals."""
     places = standing(count, seed)
     goal = Goal(places, np.zeros_like(places), 0.0, np.inf)
@@ -133,12 +133,12 @@ def _each(rows: list[int], trace: Trace) -> dict[int, Trace]:
     }
 
 
-def _judged(labels: tuple[str, ...], traces: tuple[Trace, ...]) -> Trips:
+def _judged(labels: tuple[str, ...], traces: tuple[Trace, ...]) -> GoalRuns:
     within = [acquisition(trace, TOLERANCE) for trace in traces]
     stalls = [stalled(trace.error, PERIOD) for trace in traces]
     hands = [np.linalg.norm(np.diff(trace.hand, axis=0), axis=-1) / PERIOD for trace in traces]
     straight = [(np.abs(trace.q[:, 2]) < STRAIGHT).sum() * PERIOD for trace in traces]
-    return Trips(
+    return GoalRuns(
         labels,
         traces,
         np.array([float(each.final) <= TOLERANCE for each in within]),

@@ -1,10 +1,11 @@
-"""Real processes for studies: a deployment is launched, and what its plant logged is read."""
+"""Real processes for studies: launch a deployment, and read the logs of its run."""
 
 import os
 import subprocess
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 from plant.errors import MsmaError
@@ -14,34 +15,49 @@ from runtime.results.summary import MISSED
 
 ROOT = Path(__file__).parent.parent
 MAIN = "import sys; from runtime.cli import main; sys.exit(main(sys.argv[1:]))"
-PATIENCE = 120.0
-"""For one run, of real time [s]."""
+TIMEOUT = 120.0
+"""Longest real time of one run [s]."""
 
 
-class LiveError(MsmaError, RuntimeError):
-    """A launch that came to nothing; it says what the launcher said."""
+class LaunchFailedError(MsmaError, RuntimeError):
+    """A launch without a run; the message is that of the launcher."""
+
+
+@contextmanager
+def launched(deployment: Path, robot: str, options: Sequence[str]) -> Iterator[Path]:
+    """Launch a deployment, wait for the end of its run, and remove all files after the block.
+
+    Args:
+        deployment: The deployment file.
+        robot: Name of the robot.
+        options: Options of `msma launch`, such as `--speed 4`.
+
+    Yields:
+        The folder of the run.
+
+    Raises:
+        LaunchFailedError: The launch failed, or left no run.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        command = ["launch", str(deployment), "--robot", robot, *options]
+        path = os.pathsep.join(part for part in (str(ROOT), os.environ.get("PYTHONPATH")) if part)
+        done = subprocess.run(
+            [sys.executable, "-c", MAIN, *command],
+            cwd=folder,
+            env={**os.environ, "PYTHONPATH": path},
+            capture_output=True,
+            text=True,
+            timeout=TIMEOUT,
+            check=False,
+        )
+        runs = sorted(Path(folder, "runs").glob(f"{robot}-*"))
+        if done.returncode not in (OK, FAILED, MISSED) or not runs:
+            said = done.stderr.strip() or done.stdout
+            raise LaunchFailedError(f"{' '.join(command)} ended with {done.returncode}: {said}")
+        yield runs[-1]
 
 
 def launch(deployment: Path, robot: str, options: Sequence[str]) -> RunLog:
-    """Launch a deployment under the name `robot`, wait for its end, and return what happened.
-
-    options: of `msma launch`, such as `--speed 4`. Nothing is kept of the run.
-    """
-    with tempfile.TemporaryDirectory() as place:
-        command = [sys.executable, "-c", MAIN, "launch", str(deployment), "--robot", robot]
-        known = os.pathsep.join(part for part in (str(ROOT), os.environ.get("PYTHONPATH")) if part)
-        done = subprocess.run(
-            [*command, *options],
-            cwd=place,
-            env={**os.environ, "PYTHONPATH": known},
-            capture_output=True,
-            text=True,
-            timeout=PATIENCE,
-            check=False,
-        )
-        if done.returncode not in (OK, FAILED, MISSED):
-            raise LiveError(f"{' '.join(command[3:])}: {done.stderr.strip() or done.stdout}")
-        runs = sorted(Path(place, "runs").glob(f"{robot}-*"))
-        if not runs:
-            raise LiveError(f"{deployment} left no run: {done.stderr.strip() or done.stdout}")
-        return read_run_log(runs[-1])
+    """Launch a deployment to its end and return what its plant logged; see `launched`."""
+    with launched(deployment, robot, options) as run:
+        return read_run_log(run)

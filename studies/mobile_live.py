@@ -15,7 +15,7 @@ from studies.launching import ROOT, launch
 from studies.lockstep import Event, Trace, run
 from studies.mobile import DURATION, PERIOD, POSTURE, msma, plant, posture, task
 from studies.platform_measures import acquisition
-from studies.study import Claim, Findings, Row, Study, Watch, share
+from studies.study import Claim, Findings, Progress, Row, Study, share
 
 SPEED = 3
 """How many times as fast as real time the processes run."""
@@ -56,13 +56,13 @@ class MobileLive(Study[LiveFound]):
     name = "mobile-live"
     title = "The mobile arm through real processes, beside lockstep"
 
-    def measure(self, size: float, watch: Watch) -> LiveFound:
+    def measure(self, size: float, progress: Progress) -> LiveFound:
         """Run each case both ways; `size` is the share of the ten cells."""
         which = (*paper_cases(), *map_cells(max(round(CELLS * size), 1)))
-        watch.expect(len(which))
+        progress.begin(len(which))
         rows, traces, records, agree = [], [], [], 0
         for case in which:
-            watch.at(case.name)
+            progress.step(case.name)
             events = [] if case.fault is None else [Event(case.at, case.fault)]
             trace = run(plant(case.q), msma(), task().piece, DURATION, events=events)
             record = launch(ROOT / "deploy" / "arph.yaml", f"study{os.getpid()}", _options(case))

@@ -1,4 +1,4 @@
-"""How a motion is judged: how the joints share it, how smooth it is, how the arm stands."""
+"""Measures of a motion: its distribution over the joints, its smoothness, and the arm's posture."""
 
 from dataclasses import dataclass
 
@@ -10,16 +10,17 @@ from plant.robot import Array
 
 @dataclass(frozen=True)
 class Motion:
-    """One arm's way to a goal, until the hand is there and for a step more.
+    """The motion of one arm to a goal, until one step after the hand has reached it.
 
     Attributes:
-        q: (K, 5) [rad].
-        hand: (K, 2) [m].
+        q: (K, 5) joint angles [rad].
+        hand: (K, 2) positions of the hand [m].
         reached: Whether the hand came within 5 mm.
         uneven: Gini index of the joints' summed motion.
-        jerk, arc: Log dimensionless jerk and SPARC of the hand's speed.
-        bend: Least angle of any two links from straight, at any moment [rad].
-        crossed: In how many steps any two links crossed.
+        jerk: Log dimensionless jerk of the hand's speed.
+        arc: SPARC of the hand's speed.
+        bend: Least angle between any two neighbouring links, from straight, at any time [rad].
+        crossed: Number of steps in which any two links cross.
     """
 
     q: Array
@@ -33,9 +34,9 @@ class Motion:
 
 
 def gini(amounts: Array) -> Array:
-    """How unevenly amounts (..., n) are shared: 0 if all are equal, (n - 1) / n if one has all.
+    """Return the Gini index of amounts (..., n): 0 if all are equal, (n - 1) / n if one has all.
 
-    Half the relative mean absolute difference (Gini 1912); 0 where there is nothing to share.
+    Half the relative mean absolute difference (Gini 1912); 0 where all are 0.
     """
     ordered = np.sort(np.abs(amounts), axis=-1)
     n = ordered.shape[-1]
@@ -46,13 +47,13 @@ def gini(amounts: Array) -> Array:
 
 
 def summed_motion(q: Array) -> Array:
-    """How far each joint turned in all, there and back: (..., n) [rad], from (K, ..., n) angles."""
+    """Return the total turn of each joint in both directions (..., n) [rad], for q (K, ..., n)."""
     moved: Array = np.abs(np.diff(q, axis=0)).sum(axis=0)
     return moved
 
 
 def log_dimensionless_jerk(speed: Array, period: float) -> float:
-    """Smoothness of a motion from its speed (K,) [m/s] each `period` [s]; nearer 0 is smoother.
+    """Return the smoothness of a speed (K,) [m/s], sampled each `period` [s]; nearer 0 is smoother.
 
     -ln(D^3 / vmax^2 * integral of (d2v/dt2)^2) over the duration D: Hogan and Sternad 2009.
     """
@@ -67,11 +68,11 @@ def log_dimensionless_jerk(speed: Array, period: float) -> float:
 def spectral_arc_length(
     speed: Array, period: float, *, cutoff: float = 8.0, threshold: float = 0.05
 ) -> float:
-    """SPARC of a speed (K,) [m/s] each `period` [s]; nearer 0 is smoother.
+    """Return SPARC of a speed (K,) [m/s], sampled each `period` [s]; nearer 0 is smoother.
 
-    The length of the normalised amplitude spectrum's curve, negative, up to the last frequency
-    below `cutoff` [Hz], and below half the sampling rate, at which it is above `threshold`:
-    Balasubramanian, Melendez-Calderon, Roby-Brami and Burdet 2015, padded by 2^4 as there.
+    The negative arc length of the normalised amplitude spectrum up to the last frequency below
+    `cutoff` [Hz], and below half the sampling rate, at which it exceeds `threshold`
+    (Balasubramanian, Melendez-Calderon, Roby-Brami and Burdet 2015, zero-padded by 2^4 as there).
     """
     if speed.size < 2 or not np.any(speed):
         return 0.0
@@ -90,9 +91,10 @@ def spectral_arc_length(
 
 
 def least_bend(q: Array) -> Array:
-    """How near to straight any two neighbouring links of a planar arm come: (...) [rad].
+    """Return the least angle from straight between neighbouring links (...) [rad].
 
-    From angles (K, ..., n), the first of which bends nothing.
+    Args:
+        q: (K, ..., n) angles of planar arms [rad]; the first joint bends no link.
     """
     bend = np.abs(np.arctan2(np.sin(q[..., 1:]), np.cos(q[..., 1:])))
     least: Array = bend.min(axis=(0, -1))
@@ -100,10 +102,10 @@ def least_bend(q: Array) -> Array:
 
 
 def crossing(points: Array) -> npt.NDArray[np.bool_]:
-    """Whether any two links of planar arms cross: (...), from their ends (..., n + 1, 2) [m].
+    """Tell whether any two links of planar arms cross (...), from their ends (..., n + 1, 2) [m].
 
-    Two links that are not neighbours cross if they have a point in common, touching included.
-    Neighbours have their joint in common; they cross only if one folds back onto the other.
+    Two links that are not neighbours cross if they share a point, touching included. Neighbours
+    share their joint; they cross only if one folds back onto the other.
     """
     starts, ends = points[..., :-1, :], points[..., 1:, :]
     count = starts.shape[-2]
@@ -120,7 +122,7 @@ def crossing(points: Array) -> npt.NDArray[np.bool_]:
 
 
 def segments_meet(a: Array, b: Array, c: Array, d: Array) -> npt.NDArray[np.bool_]:
-    """Whether segments a-b and c-d (..., 2) have a point in common: the orientation test."""
+    """Tell whether segments a-b and c-d (..., 2) share a point, by the orientation test."""
     abc, abd = _cross(b - a, c - a), _cross(b - a, d - a)
     cda, cdb = _cross(d - c, a - c), _cross(d - c, b - c)
     proper = (abc * abd < 0.0) & (cda * cdb < 0.0)
@@ -140,7 +142,7 @@ def _cross(u: Array, v: Array) -> Array:
 
 
 def _within(a: Array, b: Array, p: Array) -> npt.NDArray[np.bool_]:
-    """Whether p, on the line through a and b, lies between them."""
+    """Tell whether p, on the line through a and b, lies between them."""
     between = (p >= np.minimum(a, b)) & (p <= np.maximum(a, b))
     inside: npt.NDArray[np.bool_] = np.asarray(between.all(axis=-1))
     return inside

@@ -1,4 +1,4 @@
-"""No model at all: an arm that nobody told the agents about, seen by a localiser only."""
+"""Arms without a model: the agents know nothing of the arm and see only the localiser."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -10,60 +10,60 @@ from plant.faults import Fault
 from plant.kinematics import Kinematics
 from plant.robot import Robot
 from plant.urdf import load
-from studies.arm_batch import IN_STEP, Meeting, Reached, reach
-from studies.study import Claim, Findings, Row, Study, Watch, share
+from studies.arm_batch import SYNCHRONOUS, Coupling, ReachResult, reach
+from studies.study import Claim, Findings, Progress, Row, Study, share
 
 STEPS = 2000
-"""Of 0.1 s, at most."""
+"""Most steps of 0.1 s."""
 TICKS = 5
-"""Plant steps in a period of the agents, where the eye is late: 20 ms each."""
-BELIEVED = "planar5"
-"""What the agents are told that they are part of: of this, they only use the top speed."""
+"""Plant steps of 20 ms in a period of the agents, in cases with delay or asynchronous agents."""
+ASSUMED = "planar5"
+"""The model that the agents are given, of which they use only the top speed."""
 
 
 @dataclass(frozen=True)
 class Case:
-    """One unknown arm and one way to see and meet it.
+    """One unknown arm, with the quality of its localiser and its messages.
 
     Attributes:
-        name: For people.
-        robot: What it truly is.
+        name: Name of the case.
+        robot: The true arm.
         noise: Standard deviation of the localiser's error along each axis [m].
-        late: [s]
-        meeting: How agents and plant meet.
-        limit: Within which the hand is to end [m].
-        bar: Share of the goals that must; None if it is only shown.
+        late: Delay of the localiser [s].
+        coupling: How agents and plant exchange messages.
+        limit: Distance to the goal that counts as reached [m].
+        bar: Required share of reached goals; None for no requirement.
     """
 
     name: str
     robot: Robot
     noise: float = 0.0
     late: float = 0.0
-    meeting: Meeting = IN_STEP
+    coupling: Coupling = SYNCHRONOUS
     limit: float = 0.003
     bar: float | None = None
 
 
 @dataclass(frozen=True)
 class Found(Findings):
-    """What the picture needs: every case and how near its hands came."""
+    """Results of the study: every case and its results."""
 
-    cases: tuple[tuple[Case, Reached], ...]
+    cases: tuple[tuple[Case, ReachResult], ...]
 
 
 class NoModel(Study[Found]):
-    """Perception `localiser`, whatever the arm."""
+    """Perception `localiser`, for any arm."""
 
     name = "no-model"
-    title = "No model, no encoders: any arm, seen from outside"
+    title = "Any arm without a model and without encoders, seen by a localiser"
 
-    def measure(self, size: float, watch: Watch) -> Found:
-        """Try arms that were changed without telling the agents, seen badly and late."""
+    def measure(self, size: float, progress: Progress) -> Found:
+        """Run arms that differ from the model of the agents, with noise, delay and loss."""
         cases = all_cases()
-        watch.expect(sum(case.robot.n for case in cases))
+        progress.begin(sum(case.robot.n for case in cases))
         done = []
         for number, case in enumerate(cases):
-            watch.at(case.name, case.robot.n)
+            progress.step(case.name, case.robot.n)
             done.append((case, one(case, max(round(200 * size), 8), number)))
         return Found(
             rows=tuple(_row(case, reached) for case, reached in done),
@@ -73,22 +73,22 @@ class NoModel(Study[Found]):
         )
 
     def draw(self, found: Found, folder: Path) -> tuple[Path, ...]:
-        """Draw how the distance goes, and where it ends, in every case."""
+        """Draw the distances over time and at the end, in every case."""
         from studies.drawing.planar_studies import Curve, no_model
 
         noisy, others = (
             [Curve(case.name, reached.history, reached.settled)
-             for case, reached in found.cases if (case.bar == 1.0) is alike]
-            for alike in (True, False)
+             for case, reached in found.cases if (case.bar == 1.0) is noisy_arm]
+            for noisy_arm in (True, False)
         )  # fmt: skip
         return (no_model(noisy, others, folder / "no-model.png"),)
 
 
 def all_cases() -> tuple[Case, ...]:
-    """Return every case: arms, noise, delay, loss, in step and out of step."""
+    """Return every case: arms, noise, delay, loss, synchronous and asynchronous agents."""
     five = load("planar5")
     noisy = [Case(f"{n} joints, 1 mm noise", planar(n), noise=0.001, bar=1.0) for n in range(3, 13)]
-    late = Meeting(ticks=TICKS, loss=0.1)
+    late = Coupling(ticks=TICKS, loss=0.1)
     return (
         Case("5 joints", five, limit=0.001),
         *noisy,
@@ -96,21 +96,22 @@ def all_cases() -> tuple[Case, ...]:
         Case("links of 5 to 35 cm, mounted at 40 deg, 1 mm noise", uneven(), noise=0.001),
         Case("5 joints, 20 ms late, 10 % lost", five, 0.0, 0.02, late, 0.005),
         Case("5 joints, 100 ms late, 10 % lost", five, 0.0, 0.1, late, 0.005, 0.99),
-        Case("5 joints, out of step", five, meeting=Meeting(TICKS, out_of_step=True), limit=0.001),
-        Case("5 joints, 1 mm noise, out of step", five, 0.001,
-             meeting=Meeting(TICKS, out_of_step=True)),
+        Case("5 joints, asynchronous agents", five, limit=0.001,
+             coupling=Coupling(TICKS, asynchronous=True)),
+        Case("5 joints, 1 mm noise, asynchronous agents", five, 0.001,
+             coupling=Coupling(TICKS, asynchronous=True)),
         Case("Manus, 3D, 6 joints, 1 mm noise", replace(load("arph"), drive=None), noise=0.001),
         Case("3D, 7 joints, 1 mm noise", seven(), noise=0.001),
     )  # fmt: skip
 
 
 def planar(n: int) -> Robot:
-    """Return a planar arm of `n` equal links, 1 m in all."""
+    """Return a planar arm of `n` equal links, 1 m long in total."""
     return planar_of(np.full(n, 1.0 / n))
 
 
 def uneven() -> Robot:
-    """Return planar5 with other links, mounted turned and elsewhere."""
+    """Return planar5 with links of unequal lengths, mounted at another place and angle."""
     changed = planar_of(np.array([0.3, 0.05, 0.35, 0.1, 0.2]))
     mount = np.eye(4)
     turn = np.radians(40.0)
@@ -121,19 +122,19 @@ def uneven() -> Robot:
 
 
 def planar_of(lengths: Array) -> Robot:
-    """Return a planar arm with links of those lengths (n,) [m], else as planar5."""
-    like = load("planar5")
-    joint = like.joints[0]
+    """Return a planar arm with links of `lengths` (n,) [m], and otherwise as planar5."""
+    five = load("planar5")
+    joint = five.joints[0]
     shifts = [_along(length) for length in lengths]
     joints = tuple(
         replace(joint, name=f"joint_{i + 1}", origin=np.eye(4) if i == 0 else shifts[i - 1])
         for i in range(len(lengths))
     )
-    return replace(like, name=f"planar{len(lengths)}", joints=joints, tip=shifts[-1], visuals=())
+    return replace(five, name=f"planar{len(lengths)}", joints=joints, tip=shifts[-1], visuals=())
 
 
 def seven() -> Robot:
-    """Return an arm of seven joints, read from the URDF beside this file, 1.1 m long."""
+    """Return a spatial arm of seven joints, 1.1 m long, from the URDF file beside this one."""
     return load(Path(__file__).with_name("seven.urdf"))
 
 
@@ -143,10 +144,10 @@ def _along(length: float) -> Array:
     return shift
 
 
-def one(case: Case, count: int, seed: int) -> Reached:
-    """Bring `count` arms from anywhere to places that the arm can reach, as another posture shows.
+def one(case: Case, count: int, seed: int) -> ReachResult:
+    """Move `count` arms from random postures to goals that other random postures reach.
 
-    Starts and goals are at least a tenth of each joint's range from its stops.
+    Starts and goals are at least a tenth of each joint's range away from its limits.
     """
     robot = case.robot
     rng = np.random.default_rng([5, seed])
@@ -160,18 +161,18 @@ def one(case: Case, count: int, seed: int) -> Reached:
         faults.append(Fault("localiser", "late", case.late))
     return reach(
         robot, start, Kinematics(robot).forward(aim).tip, steps=STEPS, seed=seed,
-        faults=tuple(faults), meeting=case.meeting, enough=0.00025, believed=told(robot),
+        faults=tuple(faults), coupling=case.coupling, enough=0.00025, assumed=assumed_model(robot),
         perception="localiser",
     )  # fmt: skip
 
 
-def told(robot: Robot) -> Robot:
-    """Return the robot that the agents are told of: as many joints, all else made up."""
-    five = load(BELIEVED)
+def assumed_model(robot: Robot) -> Robot:
+    """Return the model that the agents are given: the right number of joints, all else invented."""
+    five = load(ASSUMED)
     return replace(five, joints=tuple(five.joints[0] for _ in range(robot.n)))
 
 
-def _row(case: Case, reached: Reached) -> Row:
+def _row(case: Case, reached: ReachResult) -> Row:
     ok = reached.settled < case.limit
     bar = "" if case.bar is None else f"{100 * case.bar:g} % within {1000 * case.limit:g} mm"
     median = np.median(reached.steps)
@@ -184,13 +185,13 @@ def _row(case: Case, reached: Reached) -> Row:
     )  # fmt: skip
 
 
-def _claims(done: list[tuple[Case, Reached]]) -> tuple[Claim, ...]:
+def _claims(done: list[tuple[Case, ReachResult]]) -> tuple[Claim, ...]:
     ok = [(reached.settled < case.limit).mean() for case, reached in done]
     worst = int(np.argmin(ok))
     return (
         Claim('"the algorithm can be implemented directly on any manipulator without knowing any '
               'arm measurement" (3.1)',
-              f"{len(done)} arms and ways to see them, told nothing: from {100 * ok[worst]:.1f} % "
+              f"{len(done)} cases without any measurement of the arm: from {100 * ok[worst]:.1f} % "
               f"({done[worst][0].name}) to {100 * max(ok):g} % of the goals"),
         Claim('"we must accept that a joint may rotate in the wrong direction at some steps" (3.1)',
               f"median steps to 5 mm: {np.median(done[0][1].steps):.0f} without a model"),
@@ -198,8 +199,9 @@ def _claims(done: list[tuple[Case, Reached]]) -> tuple[Claim, ...]:
 
 
 NOTES = (
-    "The agents believe to be part of another robot; of it they use no more than the top speed. "
-    "True distances are judged: the worst in the last second of 200 s, or sooner if all are there.",
-    "Goals are where the hand is in another random posture of the same arm. Late cases run the "
-    "plant at 20 ms and the agents at 100 ms; 10 % of percepts and 10 % of commands are lost.",
+    "The agents are given the model of another robot and use only its top speed. Distances are "
+    "true ones: the worst in the last second of 200 s, or earlier if all hands have arrived.",
+    "A goal is the hand's position in another random posture of the same arm. Late cases run the "
+    "plant at 20 ms and the agents at 100 ms; 10 % of the percepts and 10 % of the commands are "
+    "lost.",
 )

@@ -14,7 +14,7 @@ from studies.feasible_plans import Since, earliest
 from studies.lockstep import Trace, run
 from studies.mobile import ARPH, BASE, DURATION, PERIOD, POSTURE, msma, plant, posture, task
 from studies.platform_measures import acquisition, heading_to_arm, reversal
-from studies.study import Claim, Findings, Row, Study, Watch
+from studies.study import Claim, Findings, Progress, Row, Study
 
 FINE = 0.001
 """The short period [s]."""
@@ -120,16 +120,16 @@ class PaperFaults(Study[FaultsFound]):
     name = "paper-faults"
     title = "The paper's faults: the hand against the goal (figure 9)"
 
-    def measure(self, size: float, watch: Watch) -> FaultsFound:
+    def measure(self, size: float, progress: Progress) -> FaultsFound:
         """Run all cases at 60 ms, and at 1 ms for a share `size` of the task."""
-        watch.expect(42)
-        watch.at("60 ms", 1)
+        progress.begin(42)
+        progress.step("60 ms", 1)
         which = cases()
         courses = [course(which, PERIOD)]
-        watch.at("1 ms", 40)
+        progress.step("1 ms", 40)
         short = max(round(DURATION * size / PERIOD), 50) * PERIOD
         courses.append(course(which, FINE, short))
-        watch.at("oracle", 1)
+        progress.step("oracle", 1)
         possible = _possible(which)
         return FaultsFound(
             rows=_rows(which, courses, possible),

@@ -20,7 +20,7 @@ from studies.platform_measures import (
     reversal,
     turned_about,
 )
-from studies.study import Claim, Findings, Row, Study, Watch
+from studies.study import Claim, Findings, Progress, Row, Study
 
 SETTLED = 2.0
 """After that the error counts [s]."""
@@ -67,13 +67,13 @@ class PlatformPath(Study[PathFound]):
     name = "platform-path"
     title = "The platform's path with MSMA and with MIM (figure 8)"
 
-    def measure(self, size: float, watch: Watch) -> PathFound:
+    def measure(self, size: float, progress: Progress) -> PathFound:
         """Drive the task with MIM and MSMA at 60 ms, and with MSMA at 1 ms for a `size` of it."""
-        watch.expect(26)
-        watch.at("60 ms")
+        progress.begin(26)
+        progress.step("60 ms")
         coarse = drive("MSMA, 60 ms", msma(), PERIOD, DURATION)
         mim = drive("MIM, 60 ms", as_agents(Mim(ARPH), ARPH), PERIOD, DURATION)
-        watch.at("1 ms", 25)
+        progress.step("1 ms", 25)
         duration = max(round(DURATION * size / PERIOD), 50) * PERIOD
         fine = drive("MSMA, 1 ms", msma(FINE), FINE, duration)
         return PathFound(

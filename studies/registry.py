@@ -1,4 +1,4 @@
-"""The studies there are, by name; each is a module of its own."""
+"""The studies by name."""
 
 from importlib import import_module
 from typing import Any
@@ -16,15 +16,19 @@ STUDIES = {
     "platform-path": "studies.platform_path:PlatformPath",
     "paper-faults": "studies.paper_faults:PaperFaults",
     "fault-map": "studies.fault_map:FaultMap",
-    "told-nothing": "studies.fault_comparison:ToldNothing",
+    "told-nothing": "studies.fault_comparison:FaultComparison",
     "directions": "studies.directions:Directions",
     "mobile-live": "studies.mobile_live:MobileLive",
 }
-"""`module:Class` of each, in the order of the paper."""
+"""`module:Class` by name, in the order of the paper."""
 
 
 def study(name: str) -> Study[Any]:
-    """Return the study of that name; `StudyError` names the ones there are."""
+    """Return the study of that name.
+
+    Raises:
+        StudyError: There is none; the message lists the valid names.
+    """
     if name not in STUDIES:
         raise StudyError(f"there is no study {name!r}; valid are {', '.join(STUDIES)}, all")
     module, _, kind = STUDIES[name].partition(":")

@@ -1,4 +1,4 @@
-"""What a study found, written down: a table to print, Markdown, JSON, and a page of all."""
+"""The results of a study as a table to print, as Markdown and JSON, and one HTML page of all."""
 
 import html
 import json
@@ -11,15 +11,15 @@ from studies.study import Findings, Row
 
 @dataclass(frozen=True)
 class Report:
-    """A study that was run.
+    """The results of one study.
 
     Attributes:
-        name: Of the study.
-        title: Of the study.
-        found: What it found.
-        pictures: Its picture files, the most telling one first.
+        name: Name of the study.
+        title: Title of the study.
+        found: Its results.
+        pictures: Its picture files, the most important one first.
         seconds: How long it took [s].
-        size: Share of the full number of trials.
+        size: Share of the full number of runs.
     """
 
     name: str
@@ -31,26 +31,26 @@ class Report:
 
     @property
     def summary(self) -> str:
-        """How many bars were held, in words."""
-        barred = [row for row in self.found.rows if row.held is not None]
-        held = sum(bool(row.held) for row in barred)
-        part = "" if self.size == 1 else f", {100 * self.size:g} % of the trials"
-        return f"{held} of {len(barred)} bars held, {self.seconds:.0f} s{part}"
+        """How many bars were met, as text."""
+        barred = [row for row in self.found.rows if row.met is not None]
+        met = sum(bool(row.met) for row in barred)
+        part = "" if self.size == 1 else f", {100 * self.size:g} % of the runs"
+        return f"{met} of {len(barred)} bars met, {self.seconds:.0f} s{part}"
 
 
-def verdict(row: Row) -> str:
-    """Return `held`, `MISSED`, or nothing where there is no bar."""
-    return "" if row.held is None else "held" if row.held else "MISSED"
+def bar_status(row: Row) -> str:
+    """Return `met`, `MISSED`, or nothing where there is no bar."""
+    return "" if row.met is None else "met" if row.met else "MISSED"
 
 
 def cells(rows: Iterable[Row]) -> list[tuple[str, str, str, str]]:
-    """Return the table of the rows, its heading first."""
-    body = [(row.what, row.bar, row.measured, verdict(row)) for row in rows]
+    """Return the rows as a table, its heading first."""
+    body = [(row.what, row.bar, row.measured, bar_status(row)) for row in rows]
     return [("what", "bar", "measured", ""), *body]
 
 
 def markdown(report: Report) -> str:
-    """Return a study's page in Markdown; its pictures are beside it."""
+    """Return the report of a study in Markdown, with links to its pictures."""
     head, *body = cells(report.found.rows)
     lines = [f"# {report.title}", "", f"`msma study {report.name}`: {report.summary}", ""]
     lines += [_line(head), "| --- | --- | --- | --- |", *(_line(each) for each in body), ""]
@@ -63,13 +63,13 @@ def markdown(report: Report) -> str:
 
 
 def as_json(report: Report) -> str:
-    """Return a study's table, claims and notes in JSON."""
+    """Return the table, claims and notes of a study as JSON."""
     found = report.found
     return json.dumps(
         {
             "study": report.name,
             "title": report.title,
-            "held": found.held,
+            "met": found.met,
             "seconds": round(report.seconds, 2),
             "size": report.size,
             "rows": [asdict(row) for row in found.rows],
@@ -82,13 +82,13 @@ def as_json(report: Report) -> str:
 
 
 def write(report: Report, folder: Path) -> None:
-    """Write a study's Markdown and JSON into `folder`."""
+    """Write the Markdown and the JSON of a study into `folder`."""
     (folder / f"{report.name}.md").write_text(markdown(report), encoding="utf-8")
     (folder / f"{report.name}.json").write_text(as_json(report) + "\n", encoding="utf-8")
 
 
 def page(reports: Sequence[Report]) -> str:
-    """Return one HTML page of all: the paper's statements beside ours, then every study."""
+    """Return one HTML page: the paper's claims beside our results, then every study."""
     claims = [
         f"<tr><td>{_html(claim.paper)}</td><td>{_html(claim.ours)}</td>"
         f'<td><a href="#{report.name}">{report.name}</a></td></tr>'
@@ -131,7 +131,7 @@ _PAGE = """<!DOCTYPE html>
 <head>
 <meta charset="utf-8">
 <meta name="viewport" content="width=device-width, initial-scale=1">
-<title>MSMA: the paper's statements beside ours</title>
+<title>MSMA: the paper's claims and our results</title>
 <style>
 body {{ font: 16px/1.5 system-ui, sans-serif }}
 body {{ max-width: 60rem; margin: 2rem auto; padding: 0 1rem }}
@@ -142,8 +142,8 @@ img {{ max-width: 100%; height: auto }}
 </style>
 </head>
 <body>
-<h1>A multi agent controller for a mobile arm manipulator: the paper's statements beside ours</h1>
-<p>S. Delarue, P. Hoppenot, E. Colle. Left what the paper says, right what
+<h1>A multi agent controller for a mobile arm manipulator: the paper's claims and our results</h1>
+<p>S. Delarue, P. Hoppenot, E. Colle. On the left what the paper says, on the right what
 <code>msma study all</code> measured when it wrote this page.</p>
 <table><tr><th>the paper</th><th>here</th><th>study</th></tr>
 {claims}

@@ -1,4 +1,4 @@
-"""What a study is: something measured, held against bars and against the paper's words, drawn."""
+"""The `Study` interface: measure, compare with acceptance bars and the paper's claims, and draw."""
 
 import time
 from abc import ABC, abstractmethod
@@ -11,7 +11,7 @@ from plant.errors import MsmaError
 
 
 class StudyError(MsmaError, ValueError):
-    """A study that cannot be run so: it says why, and what would do."""
+    """A study that cannot run as asked; the message says why and what is valid."""
 
 
 @dataclass(frozen=True)
@@ -20,20 +20,20 @@ class Row:
 
     Attributes:
         what: What was measured.
-        bar: What it has to be; empty if it is only shown.
-        measured: What it was, with its unit.
-        held: Whether the bar was held; None if there is none.
+        bar: The value required; empty if there is no requirement.
+        measured: The value found, with its unit.
+        met: Whether the bar was met; None if there is none.
     """
 
     what: str
     bar: str
     measured: str
-    held: bool | None = None
+    met: bool | None = None
 
 
 @dataclass(frozen=True)
 class Claim:
-    """A statement of the paper, with its section, and what we found of it."""
+    """A statement of the paper, with its section, and what the study found."""
 
     paper: str
     ours: str
@@ -41,68 +41,69 @@ class Claim:
 
 @dataclass(frozen=True)
 class Findings:
-    """What a study found; each study adds what its pictures need."""
+    """The results of a study; each study adds the data that its pictures need."""
 
     rows: tuple[Row, ...]
     claims: tuple[Claim, ...]
     notes: tuple[str, ...]
 
     @property
-    def held(self) -> bool:
+    def met(self) -> bool:
         """Whether no bar was missed."""
-        return all(row.held is not False for row in self.rows)
+        return all(row.met is not False for row in self.rows)
 
 
 Found = TypeVar("Found", bound=Findings)
 
 
 class Study(ABC, Generic[Found]):
-    """One question put to agents and plant, in step, in one process."""
+    """One experiment with agents and a plant."""
 
     name: ClassVar[str]
     title: ClassVar[str]
 
     @abstractmethod
-    def measure(self, size: float, watch: "Watch") -> Found:
-        """Find out.
+    def measure(self, size: float, progress: "Progress") -> Found:
+        """Run the experiment.
 
-        size: share of the full number of trials, for a quick look; bars are meant for 1
-        watch: is told how far it is
+        Args:
+            size: Share of the full number of runs, for a quick look; bars are meant for 1.
+            progress: Receives how far the experiment is.
         """
 
     @abstractmethod
     def draw(self, found: Found, folder: Path) -> tuple[Path, ...]:
-        """Write the pictures into `folder` and return their files, the most telling one first."""
+        """Write the pictures into `folder` and return their files, the most important one first."""
 
 
-class Watch:
-    """Is told how far a study is; by default nobody looks."""
+class Progress:
+    """How far a study or a bench is."""
 
     def __init__(self, show: Callable[[str, float], None] | None = None) -> None:
-        """Let `show` know what is being done and which share of all of it is done."""
+        """Report each step to `show`, with the share of the work done before it."""
         self._show = show
         self._done, self._total = 0.0, 1.0
         self.started = time.perf_counter()
 
-    def expect(self, total: float) -> None:
-        """Say how many parts there will be."""
+    def begin(self, total: float) -> None:
+        """Start the clock for work of `total` parts."""
         self._done, self._total = 0.0, max(total, 1e-9)
         self.started = time.perf_counter()
 
-    def at(self, what: str, parts: float = 1.0) -> None:
-        """Say what comes now, and how many parts were done since the last word."""
+    def step(self, what: str, parts: float = 1.0) -> None:
+        """Report that `what` starts now, and how many parts of the work it is."""
         if self._show is not None:
             self._show(what, min(self._done / self._total, 1.0))
         self._done += parts
 
     @property
     def seconds(self) -> float:
-        """Time since the parts were counted [s]."""
+        """Time since the work began [s]."""
         return time.perf_counter() - self.started
 
 
 def share(count: float, of: float) -> str:
-    """Return a share in words such as `99.95 % (1999 of 2000)`; 100 % only if it is all."""
+    """Return a text such as `99.95 % (1999 of 2000)`; 100 % only if `count` equals `of`."""
     if of == 0:
         return "none tried"
     percent = 100.0 * count / of

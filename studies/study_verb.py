@@ -1,4 +1,4 @@
-"""Do the paper's figures and tables again, hold them against their bars, and write them down."""
+"""Reproduce the figures and tables of the paper and compare them with their acceptance bars."""
 
 import argparse
 import sys
@@ -6,46 +6,47 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
+from rich import progress as rich_progress
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
+from rich.progress import BarColumn, TaskID, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
 from studies import verb_options
 from studies.registry import STUDIES, study
 from studies.report import Report, cells, page, write
-from studies.study import StudyError, Watch
+from studies.study import Progress, StudyError
 
-PATIENCE = 2.0
-"""Time without a word after which a progress bar appears [s]."""
+BAR_DELAY = 2.0
+"""Time after which a progress bar appears [s]."""
 MISSED = 3
 """Exit code when a bar was missed."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the study's name and where to write."""
-    verb_options.add_arguments(parser, STUDIES, folder="studies-out", scaled="trials")
+    """Add the options of `msma study`."""
+    verb_options.add_arguments(parser, STUDIES, folder="studies-out", scaled="runs")
 
 
 def run(args: argparse.Namespace) -> int:
-    """Run one study or all, print their tables, and return 3 when a bar was missed."""
+    """Run one study or all, print their tables, and return the exit code."""
     names = verb_options.prepare(args, STUDIES, study, StudyError)
     reports = [one(name, args.out, args.size, pictures=not args.no_pictures) for name in names]
     if args.name == "all":
         (args.out / "index.html").write_text(page(reports), encoding="utf-8")
-        print(f"all of it: {args.out / 'index.html'}")
-    return 0 if all(report.found.held for report in reports) else MISSED
+        print(f"all studies: {args.out / 'index.html'}")
+    return 0 if all(report.found.met for report in reports) else MISSED
 
 
 def one(name: str, folder: Path, size: float, *, pictures: bool = True) -> Report:
-    """Run a study, write what it found into `folder`, print its table, and return its report."""
+    """Run a study, print its table, write its report into `folder`, and return it."""
     chosen = study(name)
     begun = time.perf_counter()
     with _Bar(name) as bar:
-        found = chosen.measure(size, Watch(bar.show))
+        found = chosen.measure(size, Progress(bar.show))
         took = time.perf_counter() - begun
     report = Report(name, chosen.title, found, (), took, size)
     console = verb_options.console()
-    _print(report, console)  # first of all: a disk may be full
+    _print(report, console)  # before anything is written, because the disk may be full
     if pictures:
         report = replace(report, pictures=chosen.draw(found, folder))
     write(report, folder)
@@ -63,13 +64,13 @@ def _print(report: Report, console: Console) -> None:
 
 
 class _Bar:
-    """A progress bar on a terminal, once a study has taken longer than `PATIENCE`."""
+    """A progress bar on a terminal, once a study has taken longer than `BAR_DELAY`."""
 
     def __init__(self, name: str) -> None:
         self._begun = time.perf_counter()
         self._name = name
         self._task: TaskID | None = None
-        self._progress = Progress(
+        self._progress = rich_progress.Progress(
             TextColumn("{task.description}"),
             BarColumn(),
             TextColumn("{task.percentage:3.0f} %"),
@@ -89,7 +90,7 @@ class _Bar:
     def show(self, what: str, done: float) -> None:
         text = f"{self._name}: {what}"
         if self._task is None:
-            if time.perf_counter() - self._begun < PATIENCE:
+            if time.perf_counter() - self._begun < BAR_DELAY:
                 return
             self._progress.start()
             self._task = self._progress.add_task(text, total=1.0)

@@ -21,24 +21,25 @@ from studies.motion_measures import (
     spectral_arc_length,
     summed_motion,
 )
-from studies.study import Claim, Findings, Row, Study, Watch, share
+from studies.planar_reach import flat
+from studies.study import Claim, Findings, Progress, Row, Study, share
 
 LINK = 0.2
-"""Of planar5 [m]."""
+"""Length of each link of planar5 [m]."""
 STEPS = 300
 STEP = float(np.radians(5.0))
-"""A joint turns at most so far in a step, with either method [rad]."""
+"""Largest turn of a joint in a step, with either method [rad]."""
 NEAR = 0.005
-"""Where a motion ends, for its measures [m]."""
+"""Distance to the goal at which a motion ends [m]."""
 FOLDED = np.radians([90.0, -150.0, 145.0, -140.0, 135.0])
 STRETCHED = np.radians([70.0, 12.0, -10.0, 12.0, -8.0])
 FAR, CLOSE = np.array([0.75, 0.5]), np.array([0.3, 0.12])
-"""The paper's figures give no numbers; these are like them [m]."""
+"""Goals [m] similar to those in the paper's figures, which give no numbers."""
 
 
 @dataclass(frozen=True)
 class Found(Findings):
-    """What the pictures need: the paper's case with both methods, and 100 others with both."""
+    """Results of the study: the paper's case and random others, each with MSMA and with MD."""
 
     goal: Array
     paper: tuple[Motion, Motion]
@@ -46,18 +47,18 @@ class Found(Findings):
 
 
 class Unfold(Study[Found]):
-    """From folded to stretched out."""
+    """From folded to stretched."""
 
     name = "unfold"
-    title = "Unfolding a five-joint arm: MSMA beside MD (figure 4)"
+    title = "Unfolding a five-joint arm with MSMA and with MD (figure 4)"
     start, goal, folding = FOLDED, FAR, False
 
-    def measure(self, size: float, watch: Watch) -> Found:
-        """Move the paper's case and random others of its kind with both methods."""
-        watch.expect(2)
-        watch.at("the paper's case", 0.2)
+    def measure(self, size: float, progress: Progress) -> Found:
+        """Run the paper's case and similar random cases with both methods."""
+        progress.begin(2)
+        progress.step("the paper's case", 0.2)
         (paper,) = both(self.start[None], self.goal[None])
-        watch.at("random starts and goals", 1.8)
+        progress.step("random starts and goals", 1.8)
         q, goal = draw_cases(max(round(100 * size), 4), self.folding)
         others = tuple(both(q, goal))
         return Found(
@@ -70,7 +71,7 @@ class Unfold(Study[Found]):
         )
 
     def draw(self, found: Found, folder: Path) -> tuple[Path, ...]:
-        """Draw the three stages, the measures, and a moving picture."""
+        """Draw three stages of the motion, the measures, and an animation."""
         from studies.drawing.unfolding import moving, stages
 
         return (
@@ -89,16 +90,16 @@ class Unfold(Study[Found]):
         pair = "MSMA {}, MD {}".format
         ours, theirs = paper
         return (
-            Row("random cases in which MSMA shares the motion more evenly (lower Gini index)",
+            Row("random cases in which MSMA distributes the motion more evenly (lower Gini index)",
                 "at least 95 %", share(evener, count), evener >= 0.95 * count),
-            Row("Gini index, median of the random cases", "", pair(
+            Row("random cases: Gini index, median", "", pair(
                 *(f"{np.median([each[i].uneven for each in others]):.2f}" for i in (0, 1)))),
             Row("the paper's case: steps in which links cross, MSMA",
                 "none" if no_crossing else "", str(ours.crossed),
                 ours.crossed == 0 if no_crossing else None),
             Row("the paper's case: steps in which links cross, MD", "", str(theirs.crossed)),
             Row("random cases in which links cross at some time", "", pair(*crossed)),
-            Row("random cases that came within 5 mm", "", pair(*reached)),
+            Row("random cases that reached the goal within 5 mm", "", pair(*reached)),
             Row("the paper's case: Gini index", "", pair(
                 f"{ours.uneven:.2f}", f"{theirs.uneven:.2f}")),
             Row("the paper's case: least angle from straight", "", pair(
@@ -122,7 +123,7 @@ class Unfold(Study[Found]):
             Claim('"The MSMA system unfolds all links at the same time"; MD "starting with the end '
                   'effector one" (3.2.1)',
                   f"share of the motion by joint, base first, in %: MSMA {listed[0]}, "
-                  f"MD {listed[1]}; MSMA is the evener in {share(evener, len(others))} of cases"),
+                  f"MD {listed[1]}; MSMA is more even in {share(evener, len(others))} of cases"),
             Claim('"the arm configuration stays far from singular positions" (3.2.3)',
                   f"least angle from straight in the paper's case: MSMA "
                   f"{np.degrees(ours.bend):.1f} deg, MD {np.degrees(theirs.bend):.1f} deg"),
@@ -130,10 +131,10 @@ class Unfold(Study[Found]):
 
 
 class Fold(Unfold):
-    """From stretched out to folded."""
+    """From stretched to folded."""
 
     name = "fold"
-    title = "Folding a five-joint arm: MSMA beside MD (figure 5)"
+    title = "Folding a five-joint arm with MSMA and with MD (figure 5)"
     start, goal, folding = STRETCHED, CLOSE, True
 
     def _claims(
@@ -144,16 +145,16 @@ class Fold(Unfold):
         return (
             Claim('"a more distributed movement between joints in the case of the MSMA approach" '
                   "(3.2.1, folding)",
-                  f"MSMA is the evener in {share(evener, len(others))} of random cases"),
+                  f"MSMA is more even in {share(evener, len(others))} of the random cases"),
             Claim('"There is no collision between links." (3.2.1)',
-                  f"in the paper's case links cross in {paper[0].crossed} steps with MSMA, "
-                  f"{paper[1].crossed} with MD; of the random cases they do in {crossed[0]} with "
-                  f"MSMA and {crossed[1]} with MD: nothing in the method prevents it"),
+                  f"in the paper's case links cross in {paper[0].crossed} steps with MSMA and "
+                  f"{paper[1].crossed} with MD; in the random cases they cross in {crossed[0]} "
+                  f"with MSMA and {crossed[1]} with MD: nothing in the method prevents it"),
             Claim('"the arm configuration stays far from singular positions" (3.2.3)',
-                  f"not when it folds: neighbours bend the other way, so the paper's case passes "
-                  f"straight within {np.degrees(paper[0].bend):.1f} deg with MSMA and "
-                  f"{np.degrees(paper[1].bend):.1f} deg with MD; random cases "
-                  f"{_straight(others, 0):.1f} and {_straight(others, 1):.1f} deg (median)"),
+                  f"not when it folds: joints change the sign of their angle, so in the paper's "
+                  f"case the least angle from straight is {np.degrees(paper[0].bend):.1f} deg with "
+                  f"MSMA and {np.degrees(paper[1].bend):.1f} deg with MD; median of the random "
+                  f"cases {_straight(others, 0):.1f} and {_straight(others, 1):.1f} deg"),
         )  # fmt: skip
 
 
@@ -163,10 +164,10 @@ def _straight(pairs: tuple[tuple[Motion, Motion], ...], method: int) -> float:
 
 
 def draw_cases(count: int, folding: bool) -> tuple[Array, Array]:
-    """Draw starts (count, 5) [rad] and goals (count, 2) [m] at random.
+    """Draw random starts (count, 5) [rad] and goals (count, 2) [m].
 
-    All angles are equally likely, and all places within 95 cm. Folding are those whose goal is
-    nearer the base than the hand is at the start. No start has links that cross.
+    Angles are uniform, and goals are uniform within 95 cm of the base. A case is one of folding if
+    its goal is nearer to the base than the hand at the start. No start has crossing links.
     """
     rng = np.random.default_rng([45, folding])
     starts: list[Array] = []
@@ -192,15 +193,15 @@ def both(q: Array, goal: Array) -> list[tuple[Motion, Motion]]:
         )
         for i in range(robot.n)
     }
-    place = np.concatenate([goal, np.zeros_like(goal[:, :1])], axis=-1)
-    piece = Goal(place, np.zeros_like(place), 0.0, 0.0)
+    position = flat(goal)
+    piece = Goal(position, np.zeros_like(position), 0.0, 0.0)
     trace = run(Simulator(robot, q, period=PERIOD), agents, lambda _: piece, STEPS * PERIOD)
     theirs = md.follow(q, goal, length=LINK, step=STEP, steps=STEPS)
     return [(motion(trace.q[:, i], goal[i]), motion(theirs[:, i], goal[i])) for i in range(len(q))]
 
 
 def motion(q: Array, goal: Array) -> Motion:
-    """Measure a motion q (K, 5) [rad] up to a step after the hand is within 5 mm."""
+    """Measure a motion q (K, 5) [rad] up to one step after the hand is within 5 mm."""
     points = md.arm_points(q, LINK)
     near = np.hypot(*(points[:, -1] - goal).T) < NEAR
     end = int(near.argmax()) + 2 if near.any() else len(q)
@@ -226,9 +227,10 @@ def _shares(q: Array) -> Array:
 
 
 NOTES = (
-    "Both methods turn a joint by at most 5 deg a step of 0.1 s; MD's joints turn in proportion "
-    "towards the outcome of its pass. A motion counts until the hand is within 5 mm.",
-    "The paper gives no numbers for its figures; start and goal are like them. A random case is "
-    "any start without crossing and any goal within 95 cm: unfolding if the goal is further out.",
-    "Crossing is a true intersection of two links' lines; the links have no width.",
+    "Both methods turn a joint by at most 5 deg in a step of 0.1 s; the joints of MD turn in "
+    "proportion towards the result of its pass. A motion ends when the hand is within 5 mm.",
+    "The paper gives no numbers for its figures; start and goal are similar to them. A random case "
+    "has any start without crossing links and any goal within 95 cm of the base; it is one of "
+    "unfolding if the goal is farther from the base than the hand at the start.",
+    "Links cross if their centre lines intersect; links have no width.",
 )

@@ -1,4 +1,4 @@
-"""What the verbs `study` and `bench` have in common: which to run, and where to write."""
+"""Options shared by the verbs `study` and `bench`: what to run, and where to write."""
 
 import argparse
 from collections.abc import Callable, Collection
@@ -12,19 +12,21 @@ from plant.errors import MsmaError
 def add_arguments(
     parser: argparse.ArgumentParser, known: Collection[str], *, folder: str, scaled: str
 ) -> None:
-    """Add the name, one of those `known` or all, and where to write.
+    """Add the name, the output folder, the size and whether to draw.
 
-    folder: to write to if none is given; scaled: what `--size` is a share of
+    Args:
+        parser: The parser of the verb.
+        known: The valid names, besides `all`.
+        folder: Default of the output folder.
+        scaled: What `--size` is a share of.
     """
-    parser.add_argument("name", help=f"which: {', '.join(known)}, or all")
-    parser.add_argument(
-        "--out", type=Path, default=Path(folder), help=f"folder to write to ({folder})"
-    )
+    parser.add_argument("name", help=f"one of {', '.join(known)}, or all")
+    parser.add_argument("--out", type=Path, default=Path(folder), help=f"output folder ({folder})")
     parser.add_argument(
         "--size", type=float, default=1.0, help=f"share of the {scaled}, for a quick look (1)"
     )
     parser.add_argument(
-        "--no-pictures", action="store_true", help="tables only; needs no matplotlib"
+        "--no-pictures", action="store_true", help="write tables only; does not need matplotlib"
     )
 
 
@@ -32,18 +34,22 @@ def prepare(
     args: argparse.Namespace, known: Collection[str], find: Callable[[str], object],
     error: type[MsmaError],
 ) -> list[str]:  # fmt: skip
-    """Return the names asked for, when all can be run, with the folder to write to made.
+    """Check the options, make the output folder, and return the names to run.
 
-    find: raises for a name that is not known; error: of the verb, raised for all else
+    Args:
+        args: The parsed command line.
+        known: The valid names, besides `all`.
+        find: Raises for an unknown name.
+        error: The exception to raise for anything else.
     """
     if not 0 < args.size <= 1:
         raise error(f"--size {args.size:g}: must be above 0 and at most 1")
     names = list(known) if args.name == "all" else [args.name]
     for name in names:
-        find(name)  # so that a wrong name is told before anything is run
+        find(name)  # so that an unknown name is reported before anything runs
     if not args.no_pictures:
         try:
-            import matplotlib  # noqa: F401  # only whether it is there
+            import matplotlib  # noqa: F401  # only to see whether it is installed
         except ModuleNotFoundError:
             raise error(
                 "pictures need matplotlib: pip install 'msma[plots]', or give --no-pictures"
@@ -56,6 +62,6 @@ def prepare(
 
 
 def console() -> Console:
-    """Return what to print tables on: as wide as the terminal, or wide where there is none."""
+    """Return a console as wide as the terminal, or 160 columns wide without a terminal."""
     there = Console()
     return there if there.is_terminal else Console(width=160)

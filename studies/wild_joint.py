@@ -1,4 +1,4 @@
-"""One motor turns at random, whatever it is told: what accuracy remains, and what could at best."""
+"""One motor turns at random whatever its command: the remaining error, and its lower bound."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,25 +13,25 @@ from plant.robot import Robot
 from plant.urdf import load
 from studies.arm_batch import NEAR, PERIOD, reach
 from studies.planar_reach import Ring, anywhere
-from studies.study import Claim, Findings, Row, Study, Watch, share
+from studies.study import Claim, Findings, Progress, Row, Study, share
 
 SHARES = (0.05, 0.2, 0.5)
-"""Of full speed, to which the wild motor turns."""
+"""Shares of full speed up to which the random motor turns."""
 PERCEPTIONS = ("blackboard", "localiser")
 AREA = Ring(np.zeros(2), np.array(0.2), np.array(0.5))
-"""Of the goals."""
+"""Area of the goals."""
 STEPS, LAST = 400, 200
-"""Of 0.1 s: in all, and those at the end that count."""
+"""Steps of 0.1 s: in total, and the last ones, which are evaluated."""
 
 
 @dataclass(frozen=True)
 class Found(Findings):
-    """What the picture needs.
+    """Results of the study.
 
     Attributes:
-        shares: Of full speed.
-        remaining: By perception, (shares, n): the root of the mean squared distance [m].
-        floor: (shares, n) what could remain at best [m].
+        shares: Shares of full speed.
+        remaining: By perception, (shares, n) rms distance [m].
+        floor: (shares, n) lower bound of that distance [m].
     """
 
     shares: tuple[float, ...]
@@ -45,10 +45,10 @@ class WildJoint(Study[Found]):
     name = "wild-joint"
     title = "One motor turns at random"
 
-    def measure(self, size: float, watch: Watch) -> Found:
-        """Let each joint run wild at each speed, with both perceptions."""
+    def measure(self, size: float, progress: Progress) -> Found:
+        """Let each motor turn at random at each speed, with both perceptions."""
         robot = load("planar5")
-        watch.expect(len(SHARES) * len(PERCEPTIONS) * robot.n)
+        progress.begin(len(SHARES) * len(PERCEPTIONS) * robot.n)
         count = max(round(40 * size), 4)
         remaining = {p: np.empty((len(SHARES), robot.n)) for p in PERCEPTIONS}
         floor = np.zeros((len(SHARES), robot.n))
@@ -56,10 +56,10 @@ class WildJoint(Study[Found]):
         for perception in PERCEPTIONS:
             for row, part in enumerate(SHARES):
                 for joint in range(robot.n):
-                    watch.at(f"joint {joint + 1} at {100 * part:g} %, {perception}")
+                    progress.step(f"joint {joint + 1} at {100 * part:g} %, {perception}")
                     history, lever = one(robot, joint, part, perception, count)
                     remaining[perception][row, joint] = np.sqrt((history[-LAST:] ** 2).mean())
-                    floor[row, joint] += at_best(robot, part, lever) / len(PERCEPTIONS)
+                    floor[row, joint] += lower_bound(robot, part, lever) / len(PERCEPTIONS)
                     came.setdefault((perception, part), []).append(history.min(axis=0) < NEAR)
         return Found(
             rows=_rows(remaining, floor, came),
@@ -71,7 +71,7 @@ class WildJoint(Study[Found]):
         )
 
     def draw(self, found: Found, folder: Path) -> tuple[Path, ...]:
-        """Draw what remains, by the wild joint."""
+        """Draw the remaining error by joint."""
         from studies.drawing.planar_studies import wild_joint
 
         file = folder / "wild-joint.png"
@@ -79,25 +79,25 @@ class WildJoint(Study[Found]):
 
 
 def one(robot: Robot, joint: int, part: float, perception: str, count: int) -> tuple[Array, Array]:
-    """Return distances (K, B) [m], and the wild joint's levers (B,) [m] at the end.
+    """Return distances (K, B) [m], and the random joint's lever arms (B,) [m] at the end.
 
-    Goals are where the other joints can bring the hand whatever the wild one does.
+    The other joints can reach the goals whatever the random one does.
     """
-    q, place = anywhere(robot, np.random.default_rng([20, joint]), count, 0.0, AREA)
+    q, goals = anywhere(robot, np.random.default_rng([20, joint]), count, 0.0, AREA)
     wild = (Fault(f"joint/{joint + 1}", "runaway", part),)
-    reached = reach(robot, q, place, steps=STEPS, seed=joint, faults=wild, perception=perception)
+    reached = reach(robot, q, goals, steps=STEPS, seed=joint, faults=wild, perception=perception)
     arm = Kinematics(robot).forward(reached.q)
     lever = np.sqrt(((arm.tip - arm.points[:, joint]) ** 2).sum(axis=-1))
     return reached.history, lever
 
 
-def at_best(robot: Robot, part: float, lever: Array) -> float:
-    """Return the root of the mean squared distance that nobody can avoid [m].
+def lower_bound(robot: Robot, part: float, lever: Array) -> float:
+    """Return the rms distance that no controller can avoid [m].
 
-    The wild motor takes a new speed, even between plus and minus m, at random moments, each
-    T_r = 0.5 s in the mean. A change by d shows only a period T later, when the hand is d T lever
-    off; from then on the speed is known and all of it can be made good in the next period. So of
-    T / T_r of the moments, E[(d T lever)^2] = 2/3 m^2 T^2 lever^2 remains.
+    The motor changes to a new speed, uniform between -m and m, at random times T_r = 0.5 s apart on
+    average. A change by d is observable only one period T later, when the hand is off by d T lever;
+    from then on the speed is known and can be fully compensated in the next period. So for a share
+    T / T_r of the time, E[(d T lever)^2] = 2/3 m^2 T^2 lever^2 remains.
     """
     most = part * float(robot.max_speed[0])
     rate = PERIOD / RUNAWAY_INTERVAL
@@ -113,9 +113,9 @@ def _rows(
             ok = np.concatenate(came[perception, part])
             rows.append(
                 Row(f"{100 * part:g} % of full speed, {perception}", "",
-                    f"rms {1e3 * np.sqrt((table[index] ** 2).mean()):.1f} mm (at best "
+                    f"rms {1e3 * np.sqrt((table[index] ** 2).mean()):.1f} mm (lower bound "
                     f"{1e3 * np.sqrt((floor[index] ** 2).mean()):.1f} mm); worst joint "
-                    f"{1e3 * table[index].max():.1f} mm; came within 5 mm at some time: "
+                    f"{1e3 * table[index].max():.1f} mm; within 5 mm at some time: "
                     f"{share(ok.sum(), ok.size)}")
             )  # fmt: skip
     return tuple(rows)
@@ -134,14 +134,15 @@ def _claims(
         Claim('"even if a motor is randomly moving because of noises or control system fault, the '
               'system will reach the goal" (3.2.3)',
               f"{share(all_came.sum(), all_came.size)} hands came within 5 mm; they cannot stay "
-              f"exactly there: at 5, 20, 50 % of full speed there remain (rms) {'; '.join(said)}; "
-              f"at best {best} mm"),
+              f"exactly there: at 5, 20, 50 % of full speed the rms error is {'; '.join(said)}; "
+              f"its lower bound is {best} mm"),
     )  # fmt: skip
 
 
 NOTES = (
-    "The wild motor takes a new random speed every 0.5 s in the mean; 0.1 s a step. What remains "
-    "is taken over the last 20 s of 40 s.",
-    "At best: nobody can know of a change of speed before it shows, one period later; the formula "
-    "is in studies/wild_joint.py. It leaves out that the motor takes time to change its speed.",
+    "The motor takes a new random speed every 0.5 s on average; a step is 0.1 s. The remaining "
+    "error is that of the last 20 s of 40 s.",
+    "Lower bound: no controller can know of a change of speed before it is observable, one period "
+    "later; the formula is in studies/wild_joint.py. It neglects the time that the motor takes to "
+    "change its speed.",
 )

@@ -14,12 +14,12 @@ from bench.echo.runner import Measured
 from bench.loop import OURS, PLAIN, run_plain
 from bench.msma_runs import ARPH, deployed, run_ours
 from bench.others.environments import environment
-from bench.others.kills import PERIOD, Struck, strike
+from bench.others.kills import PERIOD, KillImpact, strike
 from bench.others.msma_kills import strike_ours
 from bench.others.processes import ProcessGroup
 from bench.others.systems import SYSTEMS, System
 from bench.others.tables import answers_table, blows_table, costs_table, notes, ready_table
-from studies.study import Watch
+from studies.study import Progress
 
 RATES = {17: 2.5, 100: 1.5, 500: 1.5, 1000: 1.5}
 """Rate [Hz] to how long it is measured in each round [s]; 17 stands for the paper's 60 ms."""
@@ -46,7 +46,7 @@ class Found:
 
     versions: dict[str, str] = field(default_factory=dict)
     runs: Runs = field(default_factory=lambda: defaultdict(lambda: defaultdict(list)))
-    blows: dict[str, list[list[Struck]]] = field(default_factory=lambda: defaultdict(list))
+    blows: dict[str, list[list[KillImpact]]] = field(default_factory=lambda: defaultdict(list))
     failures: list[str] = field(default_factory=list)
     off: dict[int, float] = field(default_factory=lambda: defaultdict(float))
 
@@ -77,16 +77,16 @@ class OthersBench(Bench):
         """Measure at those rates [Hz], each for so long [s] in each round."""
         self._rates, self._rounds, self._systems = rates, rounds, systems
 
-    def measure(self, size: float, watch: Watch) -> Result:
+    def measure(self, size: float, progress: Progress) -> Result:
         """Make the environments, then measure all sides in turn, then kill."""
         rounds = max(round(self._rounds * min(4 * size, 1)), 1)
         found = Found()
-        pythons = self._environments(found, watch)
+        pythons = self._environments(found, progress)
         sides = [OURS, PLAIN, *pythons]
         struck = [each for each in self._systems if each.name in pythons and each.blows()]
-        watch.expect(rounds * (len(self._rates) * len(sides) + 2 * (1 + len(struck))))
-        self._loops(found, sides, pythons, rounds, size, watch)
-        self._blows(found, struck, pythons, rounds, watch)
+        progress.begin(rounds * (len(self._rates) * len(sides) + 2 * (1 + len(struck))))
+        self._loops(found, sides, pythons, rounds, size, progress)
+        self._blows(found, struck, pythons, rounds, progress)
         return Result(
             checks=tuple(_checks(found)),
             bars=(),
@@ -109,11 +109,11 @@ class OthersBench(Bench):
             draw_gaps(result.data["blows"], folder / "others-killed.png"),
         )
 
-    def _environments(self, found: Found, watch: Watch) -> dict[str, Path]:
+    def _environments(self, found: Found, progress: Progress) -> dict[str, Path]:
         pythons = {}
-        watch.expect(len(self._systems))
+        progress.begin(len(self._systems))
         for system in self._systems:
-            watch.at(f"environment of {system.name}")
+            progress.step(f"environment of {system.name}")
             name = system.side.rpartition(".")[2]
             try:
                 python, versions = environment(name, system.requirements, _say)
@@ -132,13 +132,13 @@ class OthersBench(Bench):
         pythons: Mapping[str, Path],
         rounds: int,
         size: float,
-        watch: Watch,
+        progress: Progress,
     ) -> None:
         by_name = {system.name: system for system in self._systems}
         too_fast: dict[str, int] = {}  # of the others only: all are compared to ours and to plain
         failed: Counter[tuple[str, int]] = Counter()
         for rate, side in plan(sides, list(self._rates), rounds):
-            watch.at(f"{rate} Hz, {side}")
+            progress.step(f"{rate} Hz, {side}")
             if rate >= too_fast.get(side, rate + 1):
                 continue
             seconds = max(self._rates[rate] * size, 1.0)
@@ -168,14 +168,14 @@ class OthersBench(Bench):
         systems: Sequence[System],
         pythons: Mapping[str, Path],
         rounds: int,
-        watch: Watch,
+        progress: Progress,
     ) -> None:
-        deals: dict[str, Callable[[], list[Struck]]] = {OURS: strike_ours}
+        deals: dict[str, Callable[[], list[KillImpact]]] = {OURS: strike_ours}
         for system in systems:
             deals[system.name] = partial(strike, system, pythons[system.name])
         for _ in range(rounds):
             for side, deal in deals.items():
-                watch.at(f"kills, {side}", 2)
+                progress.step(f"kills, {side}", 2)
                 try:
                     found.blows[side].append(deal())
                 except BenchError as error:

@@ -18,7 +18,7 @@ CALM = 1.0
 
 
 @dataclass(frozen=True)
-class Struck:
+class KillImpact:
     """What a blow did.
 
     Attributes:
@@ -36,15 +36,15 @@ class Struck:
 
 def judged(
     what: str, role: str | None, arrivals: Mapping[str, Sequence[float]], since: float, until: float
-) -> Struck:
+) -> KillImpact:
     """Return what a blow at `since` [s] did to commands until `until` [s]."""
     gaps = {each: gap(times, since, until) for each, times in arrivals.items()}
     hit = [gaps[role]] if role else list(gaps.values())
     others = [each for name, each in gaps.items() if name != role]
-    return Struck(what, worst(hit), worst(others), sum(each.ended for each in gaps.values()))
+    return KillImpact(what, worst(hit), worst(others), sum(each.ended for each in gaps.values()))
 
 
-def strike(system: System, python: Path) -> list[Struck]:
+def strike(system: System, python: Path) -> list[KillImpact]:
     """Start a system at 60 ms, deal it its blows, and return what each did."""
     times = []
     with ProcessGroup(python, system.side, 1 / PERIOD, None) as processes:

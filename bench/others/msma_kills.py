@@ -4,7 +4,7 @@ from bench.bench import BenchError
 from bench.echo.workload import AGENTS
 from bench.launched import Launched, launched
 from bench.msma_runs import ARPH
-from bench.others.kills import PERIOD, Struck, judged
+from bench.others.kills import PERIOD, KillImpact, judged
 from bench.others.systems import VICTIM
 from runtime.results.gaps import arrivals
 from runtime.results.run_log import RunLogError, read_run_log
@@ -20,7 +20,7 @@ _BLOWS = (
 )
 
 
-def strike_ours() -> list[Struck]:
+def strike_ours() -> list[KillImpact]:
     """Launch our robot at 60 ms, deal it blows, and return what each did."""
     first, second, third = _AT
     words = [
@@ -34,7 +34,7 @@ def strike_ours() -> list[Struck]:
         return _judge(run)
 
 
-def _judge(run: Launched) -> list[Struck]:
+def _judge(run: Launched) -> list[KillImpact]:
     try:
         found = arrivals(read_run_log(run.run), PERIOD)
     except RunLogError as error:

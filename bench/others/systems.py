@@ -14,7 +14,7 @@ VICTIM = "joint/2"
 
 
 @dataclass(frozen=True)
-class Blow:
+class Kill:
     """Something that is killed, and for how long the commands are watched then.
 
     Attributes:
@@ -47,7 +47,7 @@ class System(ABC):
     def start(self, processes: ProcessGroup) -> None:
         """Start all its processes."""
 
-    def blows(self) -> tuple[Blow, ...]:
+    def blows(self) -> tuple[Kill, ...]:
         """Return what is killed, one after the other, for what it has against that."""
         return ()
 
@@ -104,7 +104,7 @@ class Dora(System):
         self._serve_daemon(processes)
         processes.call([self._dora(processes), "start", "dataflow.yml", "--detach"])
 
-    def blows(self) -> tuple[Blow, ...]:
+    def blows(self) -> tuple[Kill, ...]:
         """Of its guide to fault tolerance: `restart_policy`, and a coordinator with a store."""
 
         def coordinator(processes: ProcessGroup) -> None:
@@ -117,9 +117,9 @@ class Dora(System):
             processes.call([self._dora(processes), "start", "dataflow.yml", "--detach"])
 
         return (
-            Blow("a node; `restart_policy: on-failure`", lambda c: c.kill(VICTIM), VICTIM, 3.0),
-            Blow("the coordinator; started again at once", coordinator, None, 3.0),
-            Blow("the daemon; started again at once, and the dataflow too", daemon, None, 7.0),
+            Kill("a node; `restart_policy: on-failure`", lambda c: c.kill(VICTIM), VICTIM, 3.0),
+            Kill("the coordinator; started again at once", coordinator, None, 3.0),
+            Kill("the daemon; started again at once, and the dataflow too", daemon, None, 7.0),
         )
 
     @staticmethod
@@ -149,7 +149,7 @@ class Spade(System):
         for role in ROLES:
             processes.play(role)
 
-    def blows(self) -> tuple[Blow, ...]:
+    def blows(self) -> tuple[Kill, ...]:
         """Nothing of its own starts anything again, so this bench does, at once."""
 
         def agent(processes: ProcessGroup) -> None:
@@ -161,8 +161,8 @@ class Spade(System):
             self._serve(processes)
 
         return (
-            Blow("an agent; started again at once by the bench", agent, VICTIM, 5.0),
-            Blow(
+            Kill("an agent; started again at once by the bench", agent, VICTIM, 5.0),
+            Kill(
                 "the server with its helpers; started again at once by the bench", server, None, 6.0
             ),
         )

@@ -10,7 +10,7 @@ from bench.echo.workload import AGENTS, ROLES
 from bench.interleaving import ratio
 from bench.loop import OURS, PLAIN
 from bench.others.arrivals import Gap
-from bench.others.kills import Struck
+from bench.others.kills import KillImpact
 
 Runs = Mapping[int, Mapping[str, Sequence[Measured]]]
 
@@ -96,7 +96,7 @@ def ready_table(found: Runs) -> Table:
     return Table("from the command until every agent has answered once", head, tuple(rows))
 
 
-def blows_table(blows: Mapping[str, Sequence[Sequence[Struck]]]) -> Table:
+def blows_table(blows: Mapping[str, Sequence[Sequence[KillImpact]]]) -> Table:
     """Return how long commands stay away after a SIGKILL."""
     rows = [
         (
@@ -132,7 +132,7 @@ def notes(versions: Mapping[str, str], failures: Sequence[str]) -> tuple[str, ..
         *failures,
         f"All sides but {OURS} only echo: a plant tells three states a tick, a goal source its "
         "goal, and seven agents answer, each a process, with messages of our sizes. The same "
-        f"stop-watch times all. {OURS} does this and thinks: it moves the robot.",
+        f"stopwatch times all. {OURS} does this and thinks: it moves the robot.",
         "Every side is started anew for every run, in turn. Times are medians over the runs, "
         "max is the largest of all, ratios are of the same round (least to most).",
         "Who of the others answered less than half of the ticks in time was not asked at that rate "

@@ -9,7 +9,7 @@ from plant.plant import Commands
 from plant.robot import Robot
 
 
-class Central(ABC):
+class CentralController(ABC):
     """One mind for all joints and the platform: what the paper's agents do without."""
 
     perception = "blackboard"
@@ -38,7 +38,7 @@ class Part(Agent):
 class _Once:
     """Asks the controller once for the same percepts."""
 
-    def __init__(self, mind: Central) -> None:
+    def __init__(self, mind: CentralController) -> None:
         self._mind = mind
         self._percepts: Percepts | None = None
         self._commands = Commands(np.zeros(0))
@@ -50,7 +50,7 @@ class _Once:
         return self._commands
 
 
-def as_agents(mind: Central, robot: Robot) -> dict[str, Agent]:
+def as_agents(mind: CentralController, robot: Robot) -> dict[str, Agent]:
     """The controller as if it were the agents of that robot, by role."""
     once = _Once(mind)
     agents: dict[str, Agent] = {f"joint/{i + 1}": Part(once, i) for i in range(robot.n)}

@@ -16,11 +16,11 @@ from qpsolvers import solve_qp
 from agents.agent import Array, Percepts
 from plant.plant import Commands
 from plant.robot import Robot
-from studies.baselines.central import Central
+from studies.baselines.central import CentralController
 from studies.baselines.mim import Mim, manipulability
 
 
-class Holistic(Central):
+class Holistic(CentralController):
     """The holistic controller; it reverses when it likes to, as theirs does."""
 
     def __init__(

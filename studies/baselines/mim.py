@@ -16,12 +16,12 @@ from agents.agent import Array, Percepts
 from plant.kinematics import Kinematics
 from plant.plant import Commands
 from plant.robot import Robot
-from studies.baselines.central import Central
+from studies.baselines.central import CentralController
 
 Measure = Literal["arm", "whole", "bayle"]
 
 
-class Mim(Central):
+class Mim(CentralController):
     """The generalised inverse of the whole mobile arm.
 
     Nothing in it penalises a negative speed of the platform, nor knows of joint ranges or faults.

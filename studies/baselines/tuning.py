@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from studies.baselines.central import Central, as_agents
+from studies.baselines.central import CentralController, as_agents
 from studies.baselines.mim import Mim
 from studies.lockstep import run
 from studies.mobile import ARPH, DURATION, PERIOD, plant, task
@@ -43,27 +43,27 @@ class Score(NamedTuple):
     roughness: float
 
 
-def mim(**values: Any) -> Central:
+def mim(**values: Any) -> CentralController:
     """MIM; the weights of driving and turning are two parameters."""
     drive, turn = values.pop("drive"), values.pop("turn")
     return Mim(ARPH, platform=(drive, turn), **values)
 
 
-def whole_body(**values: Any) -> Central:
+def whole_body(**values: Any) -> CentralController:
     """The whole-body QP with pink."""
     from studies.baselines.whole_body_qp import WholeBody
 
     return WholeBody(ARPH, **values)
 
 
-def holistic(**values: Any) -> Central:
+def holistic(**values: Any) -> CentralController:
     """The holistic QP."""
     from studies.baselines.holistic_qp import Holistic
 
     return Holistic(ARPH, ahead=1.0, **values)
 
 
-MAKERS: dict[str, Callable[..., Central]] = {
+MAKERS: dict[str, Callable[..., CentralController]] = {
     "MIM": mim,
     "pink": whole_body,
     "holistic": holistic,
@@ -103,7 +103,7 @@ TUNED: dict[str, dict[str, Any]] = {
 """What `tune` found: worst errors of 0.09, 0.05 and 0.06 mm after 2 s, and nothing in reverse."""
 
 
-def score(mind: Central) -> Score:
+def score(mind: CentralController) -> Score:
     """Run the paper's task with nothing broken."""
     trace = run(plant(), as_agents(mind, ARPH), task().piece, DURATION)
     error = float(trace.error[trace.t >= 2.0].max())
@@ -137,7 +137,7 @@ def tune(name: str, trials: int = TRIALS, seed: int = SEED) -> tuple[dict[str, A
     return best
 
 
-def tuned(name: str) -> Central:
+def tuned(name: str) -> CentralController:
     """The baseline of that name as it was tuned."""
     return MAKERS[name](**TUNED[name])
 

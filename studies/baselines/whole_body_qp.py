@@ -17,7 +17,7 @@ from pink.tasks import FrameTask, PostureTask, Task
 from agents.agent import Array, Percepts
 from plant.plant import Commands
 from plant.robot import Robot
-from studies.baselines.central import Central
+from studies.baselines.central import CentralController
 from studies.mobile import POSTURE
 
 
@@ -43,7 +43,7 @@ class NoSideslip(Task):  # type: ignore[misc]  # pink comes without types
         return "NoSideslip()"
 
 
-class WholeBody(Central):
+class WholeBody(CentralController):
     """pink's differential inverse kinematics for platform and arm."""
 
     def __init__(

@@ -1,4 +1,4 @@
-"""The picture of the trips in all directions."""
+"""The picture of the runs in all directions."""
 
 from pathlib import Path
 
@@ -6,21 +6,21 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from studies.drawing.style import BLUE, ORANGE, RED, save, sheet
-from studies.goal_runs import Trips
+from studies.goal_runs import GoalRuns
 
 
-def ways(paths: Trips, points: Trips, file: Path) -> Path:
+def ways(paths: GoalRuns, points: GoalRuns, file: Path) -> Path:
     """Ways seen from above, and time, deadlock and elbow of each trip."""
     figure, axes = sheet(11.0, 10.0, 2, 2)
-    for axis, trips, title in ((axes[0], paths, "26 straight paths"), (axes[1], points, "goals")):
-        _from_above(axis, trips, title)
-    for trips, mark, colour, name in (
+    for axis, runs, title in ((axes[0], paths, "26 straight paths"), (axes[1], points, "goals")):
+        _from_above(axis, runs, title)
+    for runs, mark, colour, name in (
         (paths, "o", BLUE, "paths"), (points, "^", ORANGE, "goals"),
     ):  # fmt: skip
-        away = np.array([np.linalg.norm(t.goal[-1] - t.hand[0]) for t in trips.trace])
-        came = np.isfinite(trips.time)
-        axes[2].plot(away[came], trips.time[came], mark, color=colour, label=name)
-        axes[3].plot(trips.stuck, trips.stretched, mark, color=colour, label=name, alpha=0.7)
+        away = np.array([np.linalg.norm(t.goal[-1] - t.hand[0]) for t in runs.trace])
+        came = np.isfinite(runs.time)
+        axes[2].plot(away[came], runs.time[came], mark, color=colour, label=name)
+        axes[3].plot(runs.stuck, runs.stretched, mark, color=colour, label=name, alpha=0.7)
         never = away[~came]
         if never.size:
             axes[2].plot(never, np.full(never.size, -1.0), "x", color=RED, label=f"{name}: never")
@@ -34,9 +34,9 @@ def ways(paths: Trips, points: Trips, file: Path) -> Path:
     return save(figure, file)
 
 
-def _from_above(axis: Axes, trips: Trips, title: str) -> None:
-    for row, trace in enumerate(trips.trace):
-        fine = bool(trips.success[row])
+def _from_above(axis: Axes, runs: GoalRuns, title: str) -> None:
+    for row, trace in enumerate(runs.trace):
+        fine = bool(runs.success[row])
         axis.plot(trace.base[:, 1], trace.base[:, 0], color=BLUE if fine else RED,
                   linestyle="-" if fine else "--", linewidth=0.9,
                   label="platform" if row == 0 else None)  # fmt: skip
@@ -44,7 +44,7 @@ def _from_above(axis: Axes, trips: Trips, title: str) -> None:
                   label="hand" if row == 0 else None)  # fmt: skip
         axis.plot(*trace.goal[-1, 1::-1], "o" if fine else "x", color=ORANGE if fine else RED,
                   markersize=5, label="goal at the end" if row == 0 else None)  # fmt: skip
-    missed = int((~trips.success).sum())
+    missed = int((~runs.success).sum())
     axis.plot([], [], "x--", color=RED, label=f"missed: {missed}")
     axis.invert_xaxis()
     axis.set_aspect("equal", adjustable="datalim")

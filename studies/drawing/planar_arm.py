@@ -1,4 +1,4 @@
-"""The pictures of the planar arm's studies."""
+"""Drawing of a planar arm, and the pictures of figure 6."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -13,7 +13,7 @@ from studies.drawing.style import BLUE, GREEN, ORANGE, RED, SKY, save, sheet
 from studies.planar_reach import Ring
 
 LINK = 0.2
-"""Of the planar arm [m]."""
+"""Length of each link of the planar arm [m]."""
 GREY = "#8C8C8C"
 
 
@@ -36,22 +36,28 @@ def draw_arm(
 
 
 def two_broken(
-    area: Ring, places: Array, ends: Mapping[str, Array], samples: Array, broken: tuple[int, ...],
+    area: Ring, goals: Array, ends: Mapping[str, Array], samples: Array, broken: tuple[int, ...],
     tolerance: float, file: Path,
 ) -> Path:  # fmt: skip
-    """Figure 6: the reachable area, what was reached of it, and three postures.
+    """Draw figure 6: the reachable area, the goals reached in it, and three postures.
 
-    places: (N, 2) [m]; ends: by perception, (N,) how near the hands stayed [m]
-    samples: (3, n) postures [rad] of arms whose joints `broken` (from 0) are; tolerance: [m]
+    Args:
+        area: The reachable area.
+        goals: (N, 2) goals [m].
+        ends: By perception, (N,) worst distances in the last second [m].
+        samples: (3, n) postures [rad].
+        broken: The broken joints, from 0.
+        tolerance: Distance that counts as reached [m].
+        file: File to write.
     """
     figure, axes = sheet(11.0, 6.2, 1, 2)
     for axis, (name, end) in zip(axes, ends.items(), strict=True):
         ok = end < tolerance
         near = f"reached within {1e3 * tolerance:g} mm"
-        axis.plot(*places[ok].T, ".", color=SKY, markersize=2,
+        axis.plot(*goals[ok].T, ".", color=SKY, markersize=2,
                   label=f"{near}: {ok.sum()} of {ok.size}")  # fmt: skip
         if not ok.all():
-            axis.plot(*places[~ok].T, "x", color=RED, label=f"missed: {(~ok).sum()}")
+            axis.plot(*goals[~ok].T, "x", color=RED, label=f"missed: {(~ok).sum()}")
         outer, inner = float(area.outer), float(area.inner)
         axis.add_patch(Annulus(tuple(area.centre), outer, outer - inner * 0.999,
                                facecolor="none", edgecolor="black", linewidth=1.2))  # fmt: skip
@@ -63,19 +69,22 @@ def two_broken(
         axis.set(xlabel="x [m]", ylabel="y [m]", title=f"perception: {name}",
                  ylim=(-outer - 0.05, outer + 0.33))  # fmt: skip
         axis.legend(loc="upper center", ncols=2, fontsize=8)
-    figure.suptitle("Two of five joints broken: all of the reachable area, and three postures")
+    figure.suptitle("Two of five joints broken: the whole reachable area, and three postures")
     return save(figure, file)
 
 
 def convergence(laws: Mapping[str, Array], fixed: Mapping[str, Array], file: Path) -> Path:
-    """How the distances (K, B) [m] to the goals go: our law, the fixed step with its limit cycles.
+    """Draw distances to the goals over time and at the end, with our law and with the fixed step.
 
-    laws, fixed: by name, two of each
+    Args:
+        laws: By name, (K, B) distances [m] with our law; two of them.
+        fixed: The same with the fixed step, which ends in limit cycles.
+        file: File to write.
     """
     figure, axes = sheet(10.0, 4.5, 1, 2)
-    looks = [(BLUE, "-"), (GREEN, "--"), (ORANGE, "-."), (RED, ":")]
+    styles = [(BLUE, "-"), (GREEN, "--"), (ORANGE, "-."), (RED, ":")]
     cases = [*laws.items(), *fixed.items()]
-    for (name, history), (colour, dash) in zip(cases, looks, strict=True):
+    for (name, history), (colour, dash) in zip(cases, styles, strict=True):
         shown = 1e3 * np.maximum(history[:301], 1e-6)
         steps = np.arange(len(shown))
         axes[0].semilogy(steps, np.median(shown, axis=1), color=colour, linestyle=dash, label=name)
@@ -86,11 +95,11 @@ def convergence(laws: Mapping[str, Array], fixed: Mapping[str, Array], file: Pat
                          linestyle=dash, label=name)  # fmt: skip
     axes[0].axhline(5, color="black", linewidth=0.8, linestyle=":")
     axes[0].set(xlabel="steps of 0.1 s", ylabel="distance to the goal [mm]", ylim=(1e-3, 2e3),
-                title="median, and pale the 95th percentile; dotted 5 mm")  # fmt: skip
+                title="median, and 95th percentile (pale); dotted: 5 mm")  # fmt: skip
     axes[1].axvline(1, color="black", linewidth=0.8, linestyle=":")
     axes[1].set(xlabel="worst distance in the last second [mm]", ylabel="share of the goals [%]",
-                title="where it ends; dotted 1 mm")  # fmt: skip
+                title="distances at the end; dotted: 1 mm")  # fmt: skip
     axes[0].legend(fontsize=8, loc="upper right")
     axes[1].legend(fontsize=8, loc="center left", bbox_to_anchor=(0.06, 0.5))
-    figure.suptitle("Two of five joints broken, goals all over the reachable area")
+    figure.suptitle("Two of five joints broken, goals in the whole reachable area")
     return save(figure, file)

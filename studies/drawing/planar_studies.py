@@ -1,4 +1,4 @@
-"""The pictures of the studies that try many goals under bad conditions."""
+"""Pictures of the planar arm's studies with many goals."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -12,13 +12,16 @@ from agents.agent import Array
 from studies.drawing.style import COLOURS, DASHES, save, sheet
 
 SHOWN = (1e-3, 2e3)
-"""Distances at the end [mm]; less and more are drawn at the border."""
+"""Range of distances at the end [mm]; values outside are drawn at its border."""
 
 
 class Curve(NamedTuple):
-    """How many hands came to their goals in one case.
+    """Distances from the hands to their goals in one case.
 
-    history: (K, B) distances after each step [m]; end: (B,) the worst in the last second [m]
+    Attributes:
+        name: Name of the case.
+        history: (K, B) distances after each step [m].
+        end: (B,) worst distances in the last second [m].
     """
 
     name: str
@@ -27,9 +30,12 @@ class Curve(NamedTuple):
 
 
 def no_model(noisy: Sequence[Curve], others: Sequence[Curve], file: Path) -> Path:
-    """Median distance over time, and the distances at the end, of every case.
+    """Draw the median distance over time, and the distances at the end, of every case.
 
-    noisy: of arms that differ in the number of their joints only, in that order
+    Args:
+        noisy: Arms that differ only in their number of joints, in that order.
+        others: All other cases.
+        file: File to write.
     """
     figure, axes = sheet(11.0, 10.0, 2, 2)
     shades = mpl.colormaps["viridis"](np.linspace(0.0, 0.92, len(noisy)))
@@ -37,23 +43,27 @@ def no_model(noisy: Sequence[Curve], others: Sequence[Curve], file: Path) -> Pat
         _curve(axes[0], axes[1], curve, {"color": shades[index], "linestyle": DASHES[index % 2]})
     for index, curve in enumerate(others):
         _curve(axes[2], axes[3], curve, _style(index))
-    axes[0].set_title("arms that differ in their joints only, 1 mm noise")
-    axes[2].set_title("other arms, and other ways to see them")
+    axes[0].set_title("arms with 3 to 12 joints, 1 mm noise")
+    axes[2].set_title("other arms, noise, delay and loss")
     for axis in (axes[0], axes[2]):
         axis.legend(fontsize=7, ncols=2 if axis is axes[0] else 1)
         axis.set(xlim=(0, 300))
     axes[1].axvline(3.0, color="black", linewidth=0.8, linestyle=":", label="3 mm")
     axes[1].legend(fontsize=8, loc="upper left")
-    figure.suptitle("Told nothing of the arm: how the hand comes to its goal")
+    figure.suptitle("Without a model of the arm: distance from hand to goal")
     return save(figure, file)
 
 
 def wild_joint(
     shares: Sequence[float], remaining: Mapping[str, Array], floor: Array, file: Path
 ) -> Path:
-    """The error that remains with a motor turning at random, by joint and by speed.
+    """Draw the error that remains with one motor turning at random, by joint and by speed.
 
-    shares: of full speed; remaining: by perception, (shares, joints) [m]; floor: at best, likewise
+    Args:
+        shares: Shares of full speed.
+        remaining: By perception, (shares, joints) rms distance [m].
+        floor: (shares, joints) lower bound of that distance [m].
+        file: File to write.
     """
     figure, axes = sheet(11.0, 4.6, 1, 2)
     for axis, (perception, table) in zip(axes, remaining.items(), strict=True):
@@ -63,20 +73,20 @@ def wild_joint(
             axis.semilogy(joints, 1e3 * table[number], "o", linestyle=DASHES[number],
                           color=colour, label=f"{100 * part:g} % of full speed")  # fmt: skip
             axis.semilogy(joints, 1e3 * floor[number], "_", markersize=16, color=colour)
-        axis.plot([], [], "_", markersize=16, color="#8C8C8C", label="what remains at best")
-        axis.set(xlabel="the wild joint", ylabel="distance to the goal, rms [mm]",
+        axis.plot([], [], "_", markersize=16, color="#8C8C8C", label="lower bound")
+        axis.set(xlabel="joint with the random motor", ylabel="distance to the goal, rms [mm]",
                  title=f"perception: {perception}", xticks=joints)  # fmt: skip
     lows, highs = zip(*(axis.get_ylim() for axis in axes), strict=True)
     for axis in axes:
         axis.set(ylim=(min(lows), max(highs)))
     names = axes[0].get_legend_handles_labels()
     figure.legend(*names, fontsize=8, loc="outside lower center", ncols=len(names[0]))
-    figure.suptitle("One motor turns at random: what accuracy remains")
+    figure.suptitle("One motor turns at random: remaining error")
     return save(figure, file)
 
 
 def encoder_faults(ends: Mapping[tuple[str, str], Array], file: Path) -> Path:
-    """Distances at the end [m], by fault and perception."""
+    """Draw the distances at the end [m], by fault and perception."""
     faults, perceptions = (list(dict.fromkeys(each)) for each in zip(*ends, strict=True))
     figure, axes = sheet(11.0, 4.6, 1, len(faults))
     for axis, fault in zip(axes, faults, strict=True):
@@ -84,31 +94,33 @@ def encoder_faults(ends: Mapping[tuple[str, str], Array], file: Path) -> Path:
             _ends(axis, ends[fault, perception], perception, _style(index))
         axis.set(title=f"encoder {fault}")
         axis.legend(fontsize=8)
-    figure.suptitle("One encoder wrong while its motor works: where the hand ends")
+    figure.suptitle("One faulty encoder with a working motor: distances at the end")
     return save(figure, file)
 
 
 def real_processes(times: Mapping[str, Array], file: Path) -> Path:
-    """When each hand was at its goal for good: through processes against in lockstep.
+    """Draw when each hand reached its goal to stay: real processes against lockstep.
 
-    times: by what was done to the arm, (N, 2) in lockstep and through processes [s]
+    Args:
+        times: By kind of fault, (N, 2) times in lockstep and with real processes [s].
+        file: File to write.
     """
     figure, axes = sheet(6.0, 5.5)
     top = 1.0
     for index, ((name, some), mark) in enumerate(zip(times.items(), "os", strict=True)):
         axes[0].plot(*some.T, mark, color=COLOURS[index], label=name)
         top = max(top, float(some[np.isfinite(some)].max(initial=1.0)))
-    axes[0].plot([0, top], [0, top], ":", color="black", label="the same")
-    axes[0].set(xlabel="lockstep: within 3 mm for good since [s]",
-                ylabel="processes: within 3 mm for good since [s]",
-                title="The same goals, through real processes and in lockstep")  # fmt: skip
+    axes[0].plot([0, top], [0, top], ":", color="black", label="equal")
+    axes[0].set(xlabel="lockstep: within 3 mm to stay since [s]",
+                ylabel="processes: within 3 mm to stay since [s]",
+                title="The same goals with real processes and in lockstep")  # fmt: skip
     axes[0].legend(fontsize=8)
     return save(figure, file)
 
 
 def _style(index: int) -> dict[str, Any]:
-    again, colour = divmod(index, len(COLOURS))
-    return {"color": COLOURS[colour], "linestyle": DASHES[(colour + again) % len(DASHES)]}
+    cycle, colour = divmod(index, len(COLOURS))
+    return {"color": COLOURS[colour], "linestyle": DASHES[(colour + cycle) % len(DASHES)]}
 
 
 def _curve(over_time: Axes, at_end: Axes, curve: Curve, style: dict[str, Any]) -> None:

@@ -11,7 +11,7 @@ from bench.ik_solvers import SOLVED, missing, solvers
 from bench.position_goals import solve_all
 from plant.kinematics import Kinematics
 from plant.urdf import ROBOTS, load
-from studies.study import Watch
+from studies.study import Progress
 
 
 def test_what_is_timed_is_really_done(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -19,7 +19,7 @@ def test_what_is_timed_is_really_done(monkeypatch: pytest.MonkeyPatch, tmp_path:
     monkeypatch.setattr(decide, "TICKS", 40)
     monkeypatch.setattr(decide, "BATCH", 20)
     bench = DecideBench()
-    result = bench.measure(0.01, Watch())
+    result = bench.measure(0.01, Progress())
     assert result.sound, result.checks
     assert len(result.bars) == 2
     for table in result.tables:

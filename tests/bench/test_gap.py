@@ -1,12 +1,12 @@
 from pathlib import Path
 
 from bench.gap import GapBench
-from studies.study import Watch
+from studies.study import Progress
 
 
 def test_an_agent_that_is_hit_is_stood_in_for_and_the_gap_is_measured(tmp_path: Path) -> None:
     bench = GapBench(rounds=1, chaos_targets=["joint/2"])
-    result = bench.measure(1.0, Watch())
+    result = bench.measure(1.0, Progress())
     assert result.sound, result.checks
     hits = result.data["hits"]
     assert [(hit["blow"], hit["victim"]) for hit in hits] == [

@@ -45,7 +45,7 @@ from runtime.wire.messages import (
     PlatformPose,
     pack,
 )
-from studies.study import Watch
+from studies.study import Progress
 from tests.runtime.conftest import wait_for
 
 BY, N, T = 1 << 62, 1000, 1.234
@@ -82,7 +82,7 @@ def test_a_part_is_told_by_the_command_line() -> None:
 
 def test_all_sides_answer_and_are_weighed(tmp_path: Path) -> None:
     bench = LoopBench({500: 1.0}, rounds=1)
-    result = bench.measure(1.0, Watch())
+    result = bench.measure(1.0, Progress())
     assert result.sound, result.checks
     sides = result.data["500"]
     assert set(sides) == {OURS, PLAIN, LIMIT, EAGER, AMID}
@@ -126,7 +126,7 @@ def test_a_bar_that_is_missed_stays_missed_and_names_what_there_is_to_be_had() -
         LIMIT: [measured(30, 0.003, 0.15)],
     }
     answered, slower = bars({1000: sides})
-    assert (answered.held, slower.held) == (False, False)
+    assert (answered.met, slower.met) == (False, False)
     assert answered.measured == (
         f"0.000 % (all but 1000 of 1000); {PLAIN}: 100.000 % (all but 0 of 1000); "
         f"{LIMIT}: 3.000 % (all but 970 of 1000)"

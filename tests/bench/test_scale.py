@@ -6,7 +6,7 @@ import pytest
 from bench.scale import FULL, NEAR, STAR, ScaleBench, write_arm
 from plant.kinematics import Kinematics
 from runtime.config.deployment import load
-from studies.study import Watch
+from studies.study import Progress
 
 
 @pytest.mark.parametrize("joints", [4, 64])
@@ -23,7 +23,7 @@ def test_a_long_arm_begins_at_its_goal(joints: int, tmp_path: Path) -> None:
 
 def test_an_arm_is_measured_with_all_links_and_with_few(tmp_path: Path) -> None:
     bench = ScaleBench((5,), hosts=False)
-    result = bench.measure(0.2, Watch())
+    result = bench.measure(0.2, Progress())
     (full,), (star,) = result.data[FULL], result.data[STAR]
     assert full["links"] == 28  # of seven processes and the launcher, each to each
     assert star["links"] == 28 - 10  # none between two of the five agents

@@ -1,12 +1,12 @@
 from pathlib import Path
 
 from bench.start import StartBench
-from studies.study import Watch
+from studies.study import Progress
 
 
 def test_a_start_and_a_revival_are_timed_by_their_parts(tmp_path: Path) -> None:
     bench = StartBench()
-    result = bench.measure(0.1, Watch())
+    result = bench.measure(0.1, Progress())
     assert result.sound, result.checks
     (launch,) = result.data["launches_s"]
     launched, commanded, anew = result.data["revivals_s"].values()

@@ -10,20 +10,20 @@ from bench import bench_verb
 from bench.bench import Bench, BenchError, Check, Result, Table
 from bench.machine import Busy, describe
 from bench.registry import BENCHES, bench
-from studies.study import Row, Watch
+from studies.study import Progress, Row
 
 
 class Sample(Bench):
     """Measures nothing."""
 
     name, title = "sample", "A sample"
-    passed, held = True, True
+    passed, met = True, True
 
-    def measure(self, size: float, watch: Watch) -> Result:
+    def measure(self, size: float, progress: Progress) -> Result:
         """Return one of each."""
         return Result(
             checks=(Check("all done", "9 of 9", self.passed),),
-            bars=(Row("fast", "at most 1 s", "0.5 s", self.held), Row("shown", "", "3")),
+            bars=(Row("fast", "at most 1 s", "0.5 s", self.met), Row("shown", "", "3")),
             tables=(Table("sides", ("side", "time"), (("a | b", "1 ms"),)),),
             notes=("a note",),
             data={"a": 1},
@@ -50,20 +50,20 @@ def test_a_bench_writes_tables_and_numbers_with_the_machine(
     assert bench_verb.run(arguments("all", "--out", str(tmp_path))) == 0
     text = (tmp_path / "bench.md").read_text()
     assert "| all done | 9 of 9 | yes |" in text
-    assert "| fast | at most 1 s | 0.5 s | held |" in text
+    assert "| fast | at most 1 s | 0.5 s | met |" in text
     assert "| a \\| b | 1 ms |" in text
     assert "cores" in text.splitlines()[2]
     told = json.loads((tmp_path / "sample.json").read_text())
-    assert told["held"] is told["sound"] is True
+    assert told["met"] is told["sound"] is True
     assert told["machine"]["cores"] >= 1
     assert told["data"] == {"a": 1}
-    assert "1 of 1 bars held" in capsys.readouterr().out
+    assert "1 of 1 bars met" in capsys.readouterr().out
 
 
 def test_a_missed_bar_ends_with_3_and_work_that_was_not_done_with_1(
     sample: Sample, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    sample.held = False
+    sample.met = False
     assert bench_verb.run(arguments("sample", "--out", str(tmp_path))) == bench_verb.MISSED == 3
     sample.passed = False
     assert bench_verb.run(arguments("sample", "--out", str(tmp_path))) == bench_verb.NOT_DONE == 1

@@ -1,4 +1,4 @@
-"""Small runs of the planar arm's studies, and how the verb writes them down."""
+"""Small runs of the planar arm's studies, and the reports that `msma study` writes."""
 
 import argparse
 import json
@@ -13,7 +13,7 @@ from plant.faults import Fault
 from plant.kinematics import Kinematics
 from plant.urdf import load
 from studies import no_model, study_verb
-from studies.arm_batch import AgentTeam, Meeting, reach
+from studies.arm_batch import ArmAgents, Coupling, reach
 from studies.broken_joints import PAPER_BROKEN, PAPER_START, paper_case, ten_pairs
 from studies.encoder_faults import one as with_encoder_fault
 from studies.no_model import Case, all_cases, seven
@@ -21,7 +21,7 @@ from studies.no_model import one as without_model
 from studies.planar_reach import grid, ring
 from studies.registry import STUDIES, study
 from studies.report import Report, as_json, markdown, page
-from studies.study import Claim, Findings, Row, StudyError, Watch, share
+from studies.study import Claim, Findings, Progress, Row, StudyError, share
 from studies.unfolding import Fold, Unfold, both, draw_cases
 from studies.wild_joint import one as with_wild_joint
 
@@ -29,20 +29,20 @@ ARM = load("planar5")
 
 
 @pytest.mark.parametrize("perception", ["blackboard", "localiser"])
-def test_the_papers_case_is_reached_all_over_the_area(perception: Any) -> None:
-    places = grid(ring(ARM, PAPER_START, PAPER_BROKEN), 60)
-    assert (paper_case(ARM, places, perception).settled < 0.001).all()
+def test_in_the_papers_case_the_whole_area_is_reached(perception: Any) -> None:
+    goals = grid(ring(ARM, PAPER_START, PAPER_BROKEN), 60)
+    assert (paper_case(ARM, goals, perception).settled < 0.001).all()
 
 
 def test_a_fixed_step_ends_in_limit_cycles() -> None:
-    places = grid(ring(ARM, PAPER_START, PAPER_BROKEN), 60)
-    reached = paper_case(ARM, places, "blackboard", "fixed-step", np.radians(5.0))
+    goals = grid(ring(ARM, PAPER_START, PAPER_BROKEN), 60)
+    reached = paper_case(ARM, goals, "blackboard", "fixed-step", np.radians(5.0))
     assert (reached.settled < 0.001).mean() < 0.2
     assert (reached.history.min(axis=0) < 0.1).mean() > 0.8
 
 
 def test_all_pairs_of_broken_joints_reach_what_geometry_says_is_reachable() -> None:
-    found = ten_pairs(ARM, "blackboard", 4, Watch(), steps=400)
+    found = ten_pairs(ARM, "blackboard", 4, Progress(), steps=400)
     assert found.inside.size == 150
     assert (found.inside < 0.001).mean() > 0.97
     assert (found.border < 0.005).mean() > 0.9
@@ -60,9 +60,9 @@ def test_the_papers_fold_has_no_links_that_cross() -> None:
     assert ours.crossed == 0
 
 
-def test_a_late_and_lossy_eye_and_agents_out_of_step_do_no_harm() -> None:
-    meeting = Meeting(ticks=5, out_of_step=True, loss=0.1)
-    case = Case("bad", ARM, noise=0.0, late=0.04, meeting=meeting, limit=0.005)
+def test_delay_loss_and_asynchronous_agents_do_no_harm() -> None:
+    coupling = Coupling(ticks=5, asynchronous=True, loss=0.1)
+    case = Case("bad", ARM, noise=0.0, late=0.04, coupling=coupling, limit=0.005)
     assert (without_model(case, 24, 1).end < 0.005).mean() > 0.9
 
 
@@ -74,12 +74,12 @@ def test_the_arm_of_seven_joints_is_reached_without_a_model(
     assert np.median(without_model(Case("3D", seven()), 16, 1).end) < 0.003
 
 
-def test_every_arm_without_a_model_is_another() -> None:
+def test_the_cases_without_a_model_all_differ() -> None:
     assert len({case.name for case in all_cases()}) == len(all_cases())
     assert {case.robot.n for case in all_cases()} >= {3, 5, 6, 7, 12}
 
 
-def test_a_wild_joint_is_made_up_for_by_the_others() -> None:
+def test_the_other_joints_compensate_for_a_random_one() -> None:
     history, _ = with_wild_joint(ARM, 2, 0.05, "blackboard", 10)
     assert np.sqrt((history[-200:] ** 2).mean()) < 0.005
 
@@ -89,11 +89,11 @@ def test_a_stuck_encoder_fools_the_blackboard_but_not_auto() -> None:
     assert (with_encoder_fault(ARM, 1, "stuck", "auto", 12) < 0.005).mean() > 0.7
 
 
-def test_a_killed_message_leaves_the_command_before_in_force() -> None:
+def test_a_lost_message_leaves_the_previous_command_in_force() -> None:
     q = np.zeros((3, 5))
     goal = Kinematics(ARM).forward(np.full((3, 5), 0.3)).tip
-    everything_lost = Meeting(loss=1.0)
-    reached = reach(ARM, q, goal, steps=5, meeting=everything_lost, perception="blackboard")
+    everything_lost = Coupling(loss=1.0)
+    reached = reach(ARM, q, goal, steps=5, coupling=everything_lost, perception="blackboard")
     np.testing.assert_allclose(reached.q, 0.0)
 
 
@@ -109,9 +109,9 @@ def test_the_same_seed_gives_the_same_run() -> None:
     assert (first != other).any()
 
 
-def test_each_agent_out_of_step_acts_once_a_period() -> None:
-    processes = AgentTeam(ARM, seed=0, meeting=Meeting(ticks=5, out_of_step=True))
-    assert processes._phase == [0, 1, 2, 3, 4]
+def test_each_asynchronous_agent_acts_once_a_period() -> None:
+    agents = ArmAgents(ARM, seed=0, coupling=Coupling(ticks=5, asynchronous=True))
+    assert agents._phase == [0, 1, 2, 3, 4]
 
 
 REPORT = Report(
@@ -128,12 +128,12 @@ REPORT = Report(
 )
 
 
-def test_what_was_missed_is_said_everywhere() -> None:
-    assert not REPORT.found.held
+def test_a_missed_bar_is_shown_in_every_report() -> None:
+    assert not REPORT.found.met
     assert "| not kept | 2 | 1 < 2 | MISSED |" in markdown(REPORT)
-    assert json.loads(as_json(REPORT))["rows"][1]["held"] is False
+    assert json.loads(as_json(REPORT))["rows"][1]["met"] is False
     assert "<td>1 &lt; 2</td><td>MISSED</td>" in page([REPORT])
-    assert REPORT.summary.startswith("1 of 2 bars held")
+    assert REPORT.summary.startswith("1 of 2 bars met")
 
 
 def test_a_share_is_100_percent_only_if_it_is_all() -> None:
@@ -165,7 +165,7 @@ def test_a_missed_bar_ends_with_3(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     assert "so it says" in (tmp_path / "index.html").read_text()
 
 
-def test_a_wrong_name_or_size_is_refused_with_what_is_valid(tmp_path: Path) -> None:
+def test_an_unknown_name_or_size_is_refused_with_the_valid_ones(tmp_path: Path) -> None:
     with pytest.raises(StudyError, match="no study 'folds'; valid are unfold, fold"):
         study_verb.run(arguments("folds"))
     with pytest.raises(StudyError, match="--size 2"):

@@ -39,16 +39,16 @@ def test_a_hand_at_its_goal_is_not_stuck() -> None:
 
 
 def test_the_level_paths_are_followed_without_going_backwards() -> None:
-    trips = follow(msma)
+    runs = follow(msma)
     level = [row for row, leg in enumerate(legs()) if leg.way[2] == 0.0]
     assert len(level) == 8
-    assert trips.success[level].all()
-    assert trips.reversed.max() == 0.0
-    assert trips.cusps.max() == 0
+    assert runs.success[level].all()
+    assert runs.reversed.max() == 0.0
+    assert runs.cusps.max() == 0
 
 
 def test_near_goals_are_reached_whichever_way_they_lie() -> None:
-    trips = go(msma, 4)
-    assert trips.success.sum() >= 3
-    assert (trips.length[trips.success] > 0).all()
-    assert len(trips.labels) == len(trips.trace) == 4
+    runs = go(msma, 4)
+    assert runs.success.sum() >= 3
+    assert (runs.length[runs.success] > 0).all()
+    assert len(runs.labels) == len(runs.trace) == 4

@@ -3,7 +3,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from studies.launching import ROOT, LiveError, launch
+from studies.launching import ROOT, LaunchFailedError, launch
 from studies.mobile import HAND, posture
 from studies.mobile_live import Case, _options, beside, map_cells, paper_cases
 
@@ -17,7 +17,7 @@ def test_real_processes_start_where_a_case_says_and_follow_the_goal() -> None:
 
 
 def test_a_launch_that_is_refused_says_why(tmp_path: Path) -> None:
-    with pytest.raises(LiveError, match="nowhere"):
+    with pytest.raises(LaunchFailedError, match="nowhere"):
         launch(tmp_path / "nowhere.yaml", "teststudy", [])
 
 

@@ -8,7 +8,7 @@ from studies.mobile import DURATION, HAND, PERIOD, msma, plant
 from studies.paper_faults import cases, course
 from studies.platform_path import PlatformPath, drive
 from studies.report import Report, as_json
-from studies.study import Findings, Watch
+from studies.study import Findings, Progress
 
 
 def test_the_arm_starts_with_its_hand_where_table_1_says() -> None:
@@ -32,8 +32,8 @@ def test_every_reading_of_the_papers_faults_is_a_case() -> None:
 
 def test_the_studies_tables_and_pictures_come_with_their_bars(tmp_path: Path) -> None:
     study = PlatformPath()
-    found = study.measure(0.01, Watch())
-    assert {row.held for row in found.rows} >= {True, None}
+    found = study.measure(0.01, Progress())
+    assert {row.met for row in found.rows} >= {True, None}
     assert as_json(Report(study.name, study.title, found, (), 1.0, 0.01))
     (picture,) = study.draw(found, tmp_path)
     assert picture.stat().st_size > 10_000

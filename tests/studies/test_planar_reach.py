@@ -42,23 +42,23 @@ def test_goals_are_drawn_inside_and_at_the_border_as_asked() -> None:
 
 def test_a_grid_has_the_places_asked_for_and_all_lie_inside() -> None:
     area = ring(ARM, np.radians([60.0, 35.0, -50.0, 45.0, -40.0]), (1, 2))
-    places = grid(area, 500)
-    assert 500 <= len(places) < 560
-    assert (area.margin(places) >= 0).all()
+    points = grid(area, 500)
+    assert 500 <= len(points) < 560
+    assert (area.margin(points) >= 0).all()
 
 
-def test_arms_it_cannot_reckon_are_refused() -> None:
-    with pytest.raises(StudyError, match="no planar arm"):
+def test_arms_of_another_kind_are_refused() -> None:
+    with pytest.raises(StudyError, match="not a planar arm"):
         ring(load("arph"), np.zeros(6), ())
     with pytest.raises(StudyError, match="no joint is left"):
         ring(ARM, np.zeros(5), (0, 1, 2, 3, 4))
 
 
-def test_places_drawn_anywhere_are_within_reach_and_in_the_area_asked_for() -> None:
+def test_random_goals_are_reachable_and_in_the_given_area() -> None:
     area = Ring(np.zeros(2), np.array(0.2), np.array(0.5))
     for given, least, most in ((None, 0.0, 0.9), (area, 0.25, 0.45)):
-        q, place = anywhere(ARM, np.random.default_rng(1), 50, 0.05 if given else 0.1, given)
-        away = np.linalg.norm(place, axis=-1)
+        q, goals = anywhere(ARM, np.random.default_rng(1), 50, 0.05 if given else 0.1, given)
+        away = np.linalg.norm(goals, axis=-1)
         assert q.shape == (50, 5)
-        assert (place[:, 2] == 0).all()
+        assert (goals[:, 2] == 0).all()
         assert least <= away.min() <= away.max() <= most

@@ -16,11 +16,11 @@ from bench.msma_runs import OurRun
 from bench.others import comparison
 from bench.others.arrivals import Gap
 from bench.others.comparison import OthersBench, plan
-from bench.others.kills import Struck
+from bench.others.kills import KillImpact
 from bench.others.systems import SYSTEMS
 from bench.others.tables import gaps
 from bench.usage import Usage
-from studies.study import Watch
+from studies.study import Progress
 
 
 def measured(time: float, in_time: int = 100) -> Measured:
@@ -65,8 +65,8 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, float]]:
         found.append((OURS, 1 / deployment.period))
         return OurRun(measured(0.0012), 0.001)
 
-    blow = Struck("an agent", Gap(0.1, True), Gap(0.06, True), 7)
-    dead = Struck("the server", Gap(8.0, False), Gap(8.0, False), 0)
+    blow = KillImpact("an agent", Gap(0.1, True), Gap(0.06, True), 7)
+    dead = KillImpact("the server", Gap(8.0, False), Gap(8.0, False), 0)
     monkeypatch.setattr(comparison, "environment", get)
     monkeypatch.setattr(comparison, "_run", run)
     monkeypatch.setattr(comparison, "run_plain", plain)
@@ -86,7 +86,7 @@ def test_who_cannot_follow_is_not_asked_again_and_what_failed_is_told(
     asked: list[tuple[str, float]], tmp_path: Path
 ) -> None:
     bench = OthersBench(rates={17: 1.0, 500: 1.0}, rounds=3)
-    result = bench.measure(1.0, Watch())
+    result = bench.measure(1.0, Progress())
     assert [side for side, _ in asked].count("SPADE") == 1
     assert asked.count(("dora-rs", 500.0)) == 2, "what comes to nothing is tried again once"
     assert asked.count((PLAIN, 500.0)) == 3
@@ -107,7 +107,7 @@ def test_work_of_ours_that_was_not_done_is_seen(
     asked: list[tuple[str, float]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(comparison, "run_ours", lambda *_: OurRun(measured(0.001), 0.1))
-    assert not OthersBench(rates={17: 1.0}, rounds=1).measure(1.0, Watch()).sound
+    assert not OthersBench(rates={17: 1.0}, rounds=1).measure(1.0, Progress()).sound
 
 
 def test_gaps_are_told_with_their_spread() -> None:

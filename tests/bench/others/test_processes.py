@@ -11,7 +11,7 @@ from bench.bench import BenchError
 from bench.echo.workload import AGENTS, ROLES, STATES
 from bench.others.kills import strike
 from bench.others.processes import ProcessGroup, await_port, free_port
-from bench.others.systems import VICTIM, Blow, System, dataflow
+from bench.others.systems import VICTIM, Kill, System, dataflow
 
 PYTHON = Path(sys.executable)
 SIDE = "tests.bench.others.datagram_side"
@@ -26,7 +26,7 @@ class Datagrams(System):
         for role in ROLES:
             processes.play(role)
 
-    def blows(self) -> tuple[Blow, ...]:
+    def blows(self) -> tuple[Kill, ...]:
         def agent(processes: ProcessGroup) -> None:
             processes.kill(VICTIM)
             processes.play(VICTIM)
@@ -35,7 +35,7 @@ class Datagrams(System):
             processes.kill("goal")
             raise BenchError("it cannot be started again")
 
-        return (Blow("an agent", agent, VICTIM, 4.0), Blow("the goal", goal, None, 0.5))
+        return (Kill("an agent", agent, VICTIM, 4.0), Kill("the goal", goal, None, 0.5))
 
 
 def wait_until_gone(pids: list[int]) -> None:
