@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 from runtime.config.deployment import ProcessSpec, load
-from runtime.processes.agent_process import AgentLoop
+from runtime.processes.agent_process import AgentNode
 from runtime.processes.process import Process
 
 
@@ -20,7 +20,7 @@ def main() -> int:
     agent = deployment.build_agent(role)
     agent.rest = 0.0
     with Process(deployment, member, Path(file), Path(run)) as process:
-        return process.live(AgentLoop(process, agent))
+        return process.live(AgentNode(process, agent))
 
 
 if __name__ == "__main__":

@@ -6,7 +6,7 @@ from pathlib import Path
 from bench.ticks import Ticks
 from runtime.config.deployment import load
 from runtime.processes.meters import AnswerTimes
-from runtime.processes.plant_process import PlantLoop
+from runtime.processes.plant_process import PlantNode
 from runtime.processes.process import Process
 from runtime.wire import topics
 
@@ -38,7 +38,7 @@ def main() -> int:
     period = deployment.period
     ticks = Ticks([agent.role for agent in deployment.agents], period, args.seconds)
     with Process(deployment, deployment.processes[0], args.file, args.run) as process:
-        return process.live(PlantLoop(process, Watched(ticks, period)))
+        return process.live(PlantNode(process, Watched(ticks, period)))
 
 
 if __name__ == "__main__":

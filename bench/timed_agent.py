@@ -13,7 +13,7 @@ from pathlib import Path  # noqa: E402
 
 from agents.agent import Agent, Array, Percepts  # noqa: E402
 from runtime.config.deployment import ProcessSpec, load  # noqa: E402
-from runtime.processes.agent_process import AgentLoop  # noqa: E402
+from runtime.processes.agent_process import AgentNode  # noqa: E402
 from runtime.processes.process import Process  # noqa: E402
 
 imported = time.time()
@@ -50,7 +50,7 @@ def main() -> int:
     times["read"] = time.time()
     with Process(deployment, member, Path(file), Path(run)) as process:
         times["joined"] = time.time()
-        return process.live(AgentLoop(process, Noting(agent, process, times)))
+        return process.live(AgentNode(process, Noting(agent, process, times)))
 
 
 if __name__ == "__main__":

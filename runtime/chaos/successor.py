@@ -61,17 +61,13 @@ def _stay(
     deployment: Deployment, schedule: Schedule, watcher: Watcher, injector: FaultInjector
 ) -> None:
     life = Lifetime(
+        watcher.clock,
         patience=deployment.patience,
         duration=deployment.duration,
         speed=deployment.speed,
-        now=time.monotonic(),
     )
-    view = watcher.look()
     while not life.over(time.monotonic()) and not life.timed_out(time.monotonic()):
-        before, view = view.t, watcher.look()
-        if view.t != before:
-            life.plant_seen(view.t, time.monotonic())
-        for due in schedule.due(min(before, view.t)):
+        for due in schedule.due(watcher.look().t):
             injector.carry_out(due)
         time.sleep(_TURN)
 

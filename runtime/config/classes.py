@@ -6,7 +6,8 @@ import pkgutil
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Any, ClassVar, NoReturn, Self
+from functools import partial
+from typing import Any, ClassVar, Self
 
 import agents
 from agents.agent import Agent
@@ -15,6 +16,7 @@ from runtime.config.kinds import Pattern, Scope, Text
 from runtime.config.reading import Field, parameters_of
 from runtime.config.tree import ConfigError, Node
 from runtime.errors import nearest, valid_are
+from runtime.processes.node import Node as ProcessNode
 
 
 @dataclass(frozen=True)
@@ -23,13 +25,13 @@ class ClassName:
 
     Attributes:
         name: As written, `module:Class`.
-        make: What makes one: the class, if it is loaded.
+        load: Imports the module and returns the class.
         parameters: Its keyword-only parameters; None if it is not loaded, in a process that has
             nothing to do with it.
     """
 
     name: str
-    make: Callable[..., Any] = field(compare=False, repr=False)
+    load: Callable[[], Any] = field(compare=False, repr=False)
     parameters: Sequence[Field] | None = field(default=None, compare=False, repr=False)
 
     base: ClassVar[type[Any]]
@@ -37,22 +39,23 @@ class ClassName:
 
     @classmethod
     def from_node(cls, node: Node, scope: Scope) -> Self:
-        """Read the name and load the class, unless another role's is the only one wanted."""
+        """Read the name, and load the class unless only that of another role is wanted."""
         pattern = Pattern(r"\w+(\.\w+)*:\w+", "a class", cls.such_as)
         name = Text(pattern).read(node, scope)
+        load = partial(cls._load, name, node, str(scope["modules"]))
         if scope["only_role"] not in (None, scope.get("role", "goal")):
-            return cls(name, cls._not_loaded)
-        folder = str(scope["modules"])
-        if folder not in sys.path:
-            sys.path.append(folder)
-        found = cls._load(name, node, folder)
+            return cls(name, load)
         try:
-            return cls(name, found, parameters_of(found))
+            return cls(name, load, parameters_of(load()))
         except (TypeError, NameError, ValueError) as error:
+            if isinstance(error, ConfigError):
+                raise
             raise node.error(f"{name} cannot be used in a file: {error}") from None
 
     @classmethod
     def _load(cls, name: str, node: Node, folder: str) -> Callable[..., Any]:
+        if folder not in sys.path:
+            sys.path.append(folder)
         place, _, attribute = name.partition(":")
         try:
             module = importlib.import_module(place)
@@ -86,9 +89,11 @@ class ClassName:
         """Whether this process has the class."""
         return self.parameters is not None
 
-    @staticmethod
-    def _not_loaded(*_: Any, **__: Any) -> NoReturn:
-        raise ConfigError("this deployment was loaded for another role, without this class")
+    def make(self, *positional: Any, **parameters: Any) -> Any:
+        """Make one; `ConfigError` in a process that has nothing to do with it."""
+        if not self.is_loaded:
+            raise ConfigError("this deployment was loaded for another role, without this class")
+        return self.load()(*positional, **parameters)
 
     def __str__(self) -> str:
         return self.name
@@ -106,6 +111,13 @@ class PathClass(ClassName):
 
     base = Path
     such_as = "agents.paths:Line"
+
+
+class NodeClass(ClassName):
+    """A class of nodes."""
+
+    base = ProcessNode
+    such_as = "mine:Camera"
 
 
 def blame(node: Node, build: Callable[[], Any]) -> None:

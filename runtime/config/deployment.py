@@ -16,12 +16,12 @@ from runtime.config.overrides import Override
 from runtime.config.random_chaos import RandomChaos
 from runtime.config.reading import Derived, kind_of
 from runtime.config.security import SecuritySpec
-from runtime.config.specs import AgentSpec, Description, GoalSpec, PlantSpec, Start
+from runtime.config.specs import AgentSpec, Description, GoalSpec, NodeSpec, PlantSpec, Start
 from runtime.config.tree import ConfigError, Node, read_file
 from runtime.errors import valid_are
 from runtime.wire.mesh import FIRST_COPY, SLOTS, Mesh, port_base
 from runtime.wire.security import Credentials
-from runtime.wire.topics import STANDARD, Contract
+from runtime.wire.topics import Contract, ContractError, Topic, file_name
 
 Name = Annotated[str, Pattern("[A-Za-z0-9][A-Za-z0-9_-]{0,63}", "a robot's name", "arph")]
 Port = Annotated[int, Range(such_as="7600", least=1024, most=65536 - SLOTS)]
@@ -60,6 +60,7 @@ class Deployment:
         plant: How the simulated robot behaves.
         goal: The path that the goal takes; without one, an operator moves it.
         agents: The agents, each with a process of its own.
+        nodes: Other processes, such as a camera or a page, without which the robot runs too.
         chaos: What goes wrong on the way.
         random_chaos: What more goes wrong, at random; once drawn it is part of `chaos`.
     """
@@ -82,6 +83,7 @@ class Deployment:
     plant: PlantSpec
     goal: GoalSpec | None = None
     agents: tuple[AgentSpec, ...]
+    nodes: tuple[NodeSpec, ...] = ()
     chaos: tuple[ChaosEvent, ...] = ()
     random_chaos: RandomChaos | None = None
 
@@ -89,7 +91,8 @@ class Deployment:
     def roles(self) -> tuple[str, ...]:
         """All roles that have a process, in the order of their slots."""
         goal = () if self.goal is None else ("goal",)
-        return ("plant", *goal, *(agent.role for agent in self.agents))
+        agents = (agent.role for agent in self.agents)
+        return ("plant", *goal, *agents, *(node.role for node in self.nodes))
 
     @property
     def chaos_targets(self) -> tuple[str, ...]:
@@ -108,7 +111,8 @@ class Deployment:
             return self.plant.host
         if role == "goal" and self.goal is not None:
             return self.goal.host
-        return self.agent(role).host[0]
+        node = self.node(role)
+        return self.agent(role).host[0] if node is None else node.host
 
     @property
     def processes(self) -> tuple[ProcessSpec, ...]:
@@ -143,12 +147,18 @@ class Deployment:
 
         Raises `ConfigError` if its files are missing, and says how to create them.
         """
-        return None if self.security is None else self.security.credentials(name, self.roles)
+        if self.security is None:
+            return None
+        return self.security.credentials(name, self.roles, self.contract)
+
+    def node(self, role: str) -> NodeSpec | None:
+        """Return the node in that role; None if it is no node's."""
+        return next((node for node in self.nodes if node.role == role), None)
 
     @property
     def contract(self) -> Contract:
-        """The topics of this robot."""
-        return STANDARD
+        """The topics of this robot; loads the classes of its nodes."""
+        return Contract(topic for node in self.nodes for topic in node.topics)
 
     def agent(self, role: str) -> AgentSpec:
         """Return the agent in that role, or raise `ConfigError`."""
@@ -163,17 +173,19 @@ class Deployment:
         return self.agent(role).build(self.description.robot, self.period, seed)
 
     def check(self, node: Node, scope: Scope) -> None:
-        """Refuse two agents in one role, more processes than ports, and chaos for nobody."""
+        """Refuse a role given twice, more processes than ports, and chaos for nobody."""
         first: dict[str, Node] = {}
-        for index, agent in enumerate(self.agents):
-            here = node.find("agents", index, "role")
-            if agent.role in first:
-                there = first[agent.role].location
-                raise here.error(f"duplicate agent {agent.role}, first given at {there}")
-            first[agent.role] = here
+        listed = [("agents", one.role, index) for index, one in enumerate(self.agents)]
+        listed += [("nodes", one.role, index) for index, one in enumerate(self.nodes)]
+        for kind, role, index in listed:
+            here, file = node.find(kind, index, "role"), file_name(role)
+            if file in first:
+                what = f"duplicate {kind.removesuffix('s')} {role}"
+                raise here.error(f"{what}, first given at {first[file].location}")
+            first[file] = here
         if len(self.roles) > FIRST_COPY:
             what = f"{len(self.roles)} processes with plant and goal; at most {FIRST_COPY}"
-            raise node.find("agents").error(what)
+            raise node.find("nodes" if self.nodes else "agents").error(what)
         if self.routers and self.security:
             what = "a router hides the certificates of the processes behind it"
             raise node.find("routers").error(f"{what}; remove this or `security`")
@@ -181,6 +193,13 @@ class Deployment:
         if copies > SLOTS - FIRST_COPY:
             what = f"{copies} copies of agents; at most {SLOTS - FIRST_COPY}"
             raise node.find("agents").error(what)
+        own: list[Topic] = []
+        for index, spec in enumerate(self.nodes):
+            own += spec.topics if spec.class_.is_loaded else ()
+            try:
+                Contract(own)
+            except ContractError as error:
+                raise node.find("nodes", index, "class").error(str(error)) from None
         for index, event in enumerate(self.chaos):
             self._check_target(event, node.find("chaos", index, event.action))
         for index, role in enumerate(self.random_chaos.roles if self.random_chaos else ()):

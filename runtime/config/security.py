@@ -10,6 +10,7 @@ from typing import ClassVar, Self
 from runtime.config.kinds import Pattern, Scope, Text
 from runtime.config.tree import ConfigError, Node
 from runtime.wire.security import Credentials
+from runtime.wire.topics import STANDARD, Contract
 
 
 @dataclass(frozen=True)
@@ -47,17 +48,20 @@ class SecuritySpec:
 
     keys: KeyFolder
 
-    def credentials(self, name: str, roles: Sequence[str]) -> Credentials:
+    def credentials(
+        self, name: str, roles: Sequence[str], contract: Contract = STANDARD
+    ) -> Credentials:
         """Return the credentials of a process.
 
         Args:
             name: Its role, or `OPERATOR`.
             roles: All roles of the deployment.
+            contract: The topics of the robot.
 
         Raises:
             ConfigError: A file is missing or cannot be read; the message says how to create it.
         """
-        credentials = Credentials(self.keys.path, name, tuple(roles))
+        credentials = Credentials(self.keys.path, name, tuple(roles), contract)
         if not credentials.authority.exists():
             raise self._error(f"there are no certificates in {self.keys}", "")
         for file in (credentials.certificate, credentials.private_key):

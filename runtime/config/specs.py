@@ -13,14 +13,19 @@ from agents.agent import Agent, Body
 from agents.paths import Path as GoalPath
 from plant import urdf
 from plant.robot import Robot
-from runtime.config.classes import AgentClass, PathClass, blame
+from runtime.config.classes import AgentClass, NodeClass, PathClass, blame
 from runtime.config.hosts import Home, Homes, check_homes
 from runtime.config.kinds import Pattern, Range, Scope, Text
 from runtime.config.reading import Derived, Rest
 from runtime.config.tree import Node
 from runtime.errors import valid_are
+from runtime.processes.node import Node as ProcessNode
+from runtime.wire.security import OPERATOR
+from runtime.wire.topics import Topic
 
 Role = Annotated[str, Pattern("[a-z][a-z0-9_-]*(/[0-9]+)?", "a role", "joint/1")]
+_TAKEN = ("plant", "goal", "joint", "platform", "launcher", "watcher", "successor", OPERATOR, "ca")
+"""What no node may be called: other processes, logs and certificates have these names."""
 Metres = Annotated[float, "m"]
 Radians = Annotated[float, "rad"]
 
@@ -192,3 +197,40 @@ class AgentSpec:
             raise node.find("host").error(many)
         if self.class_.is_loaded:
             blame(node, lambda: self.build(robot, scope["period"], [0]))
+
+
+@dataclass(frozen=True, kw_only=True)
+class NodeSpec:
+    """One process of the user's own, such as a camera, a recorder or a page.
+
+    Attributes:
+        role: Its name, such as camera.
+        class_: A class of nodes, `module:Class`; its parameters are given beside it.
+        host: Where it runs, by default on the first host.
+        parameters: Those parameters in SI, with the defaults; as written if the class was not
+            loaded, being another role's.
+    """
+
+    role: Role
+    class_: NodeClass
+    host: Home
+    parameters: Annotated[Mapping[str, Any], Rest(_rest)]
+
+    @property
+    def topics(self) -> tuple[Topic, ...]:
+        """What it publishes; loads its class."""
+        return tuple(each._replace(publisher=self.role) for each in self.class_.load().topics)
+
+    def build(self) -> ProcessNode:
+        """Make the node."""
+        node: ProcessNode = self.class_.make(**self.parameters)
+        return node
+
+    def check(self, node: Node, scope: Scope) -> None:
+        """Refuse a name that is taken, a host that is not there, and what the class refuses."""
+        if self.role.partition("/")[0] in _TAKEN:
+            what = f"{self.role!r} is not for a node to be called; take another, such as camera"
+            raise node.find("role").error(what)
+        check_homes((self.host,), node, scope)
+        if self.class_.is_loaded:
+            blame(node, self.build)

@@ -10,8 +10,9 @@ import numpy as np
 
 from agents.agent import REST, Agent, AgentError, Percepts
 from runtime.config.deployment import Deployment
+from runtime.processes.node import Context, Node
 from runtime.processes.perception import Perception
-from runtime.processes.process import Loop, Process
+from runtime.processes.process import Process
 from runtime.processes.timing import Backlog, Cadence, apart
 from runtime.wire import topics
 from runtime.wire.messages import JointCommand, PlatformCommand
@@ -42,7 +43,7 @@ def _topics_of(sees: frozenset[str], deployment: Deployment) -> list[Topic]:
     return [topic for topic in contract.topics if topic.percept in sees]
 
 
-class AgentLoop(Loop):
+class AgentNode(Node):
     """Sends an agent's command each time the plant has told its state.
 
     The agent is asked to decide as often as that is of use (`Agent.rest`); in between its command
@@ -52,8 +53,8 @@ class AgentLoop(Loop):
     """
 
     def __init__(self, process: Process, agent: Agent) -> None:
-        super().__init__()
         deployment, bus = process.deployment, process.bus
+        self.state = "waits for the plant"
         self._process, self._agent = process, agent
         joint = deployment.agent(process.role).joint
         self._shape: tuple[int, ...] = (2,) if joint is None else ()
@@ -91,7 +92,7 @@ class AgentLoop(Loop):
         """What the agent says it goes by."""
         return str(self._agent.perception)
 
-    def run(self) -> None:
+    def run(self, context: Context) -> None:
         """React to the plant until the bus is closed."""
         self._board.run()
 
@@ -126,7 +127,7 @@ class AgentLoop(Loop):
             t = self._decide(now, t)
         self._process.t = t
         if self._process.life:
-            self._process.life.plant_seen(t, now)
+            self._process.life.clock.seen(t, now)
         wanted = self._wanted
         if wanted is not None and t - self._decided_at <= self._good:
             self._out.send(self._command(t, *wanted))

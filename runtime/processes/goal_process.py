@@ -4,7 +4,8 @@ import time
 
 from agents.paths import Path
 from runtime.processes.agent_process import freshness
-from runtime.processes.process import Loop, Process
+from runtime.processes.node import Context, Node
+from runtime.processes.process import Process
 from runtime.wire import topics
 from runtime.wire.arbitration import TopicInput
 from runtime.wire.messages import LIMIT, GoalMessage, JointStates
@@ -12,19 +13,19 @@ from runtime.wire.messages import LIMIT, GoalMessage, JointStates
 _SHORTEST = 0.01  # [s] between two messages, however fast the plant is
 
 
-class GoalLoop(Loop):
+class GoalNode(Node):
     """Leads the goal along a path, once a control period but 100 times a second at most."""
 
     def __init__(self, process: Process, path: Path) -> None:
-        super().__init__()
         deployment = process.deployment
+        self.state = "waits for the plant"
         self._process, self._path = process, path
         self._ring = process.bus.ring(topics.JOINTS, depth=1)
         fresh = freshness(deployment.period, deployment.speed)
         self._plant = TopicInput(topics.JOINTS, JointStates, fresh, process.refusals)
         self._out = process.bus.publisher(topics.GOAL)
 
-    def run(self) -> None:
+    def run(self, context: Context) -> None:
         """React to the plant until the bus is closed."""
         while True:
             arrival = self._ring.recv()
@@ -43,7 +44,7 @@ class GoalLoop(Loop):
         process = self._process
         process.t = t = states.t
         if process.life:
-            process.life.plant_seen(t, now)
+            process.life.clock.seen(t, now)
         self.state = "runs" if t < self._path.end else "has reached the end of its path"
         goal = self._path.piece(t)
         position, velocity = goal.position.tolist(), goal.velocity.tolist()

@@ -1,22 +1,40 @@
-"""When and why a process ends: signals, requests, the end of the run, silence of the plant."""
+"""When and why a process ends: a signal, a request, the end of the run, or no plant."""
 
+import math
 import os
 import select
 import signal
+from contextlib import suppress
 from types import FrameType
+from typing import TYPE_CHECKING
+
+from runtime.wire import topics
+from runtime.wire.arbitration import TopicInput
+from runtime.wire.messages import JointStates
+from runtime.wire.refusals import Refusals
+
+if TYPE_CHECKING:  # `msma validate` needs no Zenoh
+    from runtime.wire.bus import Bus
+
+_FRESH = 1.0  # [s]: more than between two looks at the clock
+_WAITING = 256  # messages kept between two looks, so that a flood hides no plant
 
 OK, FAILED, INTERRUPTED = 0, 1, 130
 
 
-def _leave_it_to_the_pipe(number: int, frame: FrameType | None) -> None:
+def _leave_to_the_pipe(number: int, frame: FrameType | None) -> None:
     """Python wants a handler, or the signal would end the process at once."""
 
 
 class Shutdown:
-    """The process's end, awaited by its watchdog.
+    """The end of a process: any thread may ask for it, and any may wait for it.
 
-    A pipe wakes the watchdog, whatever the main thread is busy with: Python writes the number of
+    A pipe wakes those who wait, whatever the main thread is busy with: Python writes the number of
     each signal to it from C.
+
+    Attributes:
+        reason: Why the process is to end; None until then.
+        code: Its exit code.
     """
 
     def __init__(self) -> None:
@@ -30,7 +48,7 @@ class Shutdown:
         """End on SIGINT and SIGTERM; to be called in the main thread."""
         signal.set_wakeup_fd(self._write, warn_on_full_buffer=False)
         for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, _leave_it_to_the_pipe)
+            signal.signal(number, _leave_to_the_pipe)
 
     def ask(self, reason: str, code: int = OK) -> None:
         """Ask for the end, from any thread."""
@@ -39,58 +57,86 @@ class Shutdown:
             os.write(self._write, b"\0")
 
     def wait(self, timeout: float) -> bool:
-        """Wait up to `timeout` [s] for a reason to end; tell whether there is one."""
+        """Wait up to `timeout` [s] for a reason to end; return whether there is one."""
         if self.reason is None and select.select([self._read], [], [], timeout)[0]:
-            for number in os.read(self._read, 64):
-                if number == signal.SIGINT:
-                    self.ask("interrupted", INTERRUPTED)
-                elif number == signal.SIGTERM:
-                    self.ask("terminated by a signal")
+            with suppress(BlockingIOError):  # another thread has read it
+                for number in os.read(self._read, 64):
+                    if number == signal.SIGINT:
+                        self.ask("interrupted", INTERRUPTED)
+                    elif number == signal.SIGTERM:
+                        self.ask("terminated by a signal")
+            if self.reason is not None:
+                os.write(self._write, b"\0")  # for the other threads that wait
         return self.reason is not None
 
 
-class Lifetime:
-    """Judges from what was heard of the plant; a process of its own judges for each role.
+class PlantClock:
+    """Plant time, from the plant's messages: what the last two of them have both reached.
 
-    patience: it ends after so long without a plant [s]
-    duration: the run ends at that plant time [s], None if it does not
-    speed: how many times as fast as real time the plant runs
-    now: when the process began [s], on the clock of all that follows
+    So one wrong time in a message leads nowhere.
+
+    Attributes:
+        t: Plant time [s]; 0 before the second message.
+        heard: When the last message arrived, or else when this was made [s].
+        ever: Whether any message has arrived.
     """
 
-    GRACE = 2.0  # [s] that a plant which is no longer heard may be late
-    _TWICE = 2  # checks in a row, so that one corrupted time ends nothing
+    def __init__(self, now: float) -> None:
+        self.t, self.heard, self.ever = 0.0, now, False
+        self._last = 0.0
 
-    def __init__(self, *, patience: float, duration: float | None, speed: float, now: float):
+    def seen(self, t: float, now: float) -> None:
+        """Take the time `t` [s] of one more message, which arrived `now` [s]."""
+        self.t = min(self._last, t)
+        self._last, self.heard, self.ever = t, now, True
+
+
+class BusClock(PlantClock):
+    """Plant time from the joint states on the bus, of the source that arbitration chooses."""
+
+    def __init__(self, bus: "Bus", now: float) -> None:
+        super().__init__(now)
+        self._ring = bus.ring(topics.JOINTS, _WAITING)
+        self._states = TopicInput(topics.JOINTS, JointStates, _FRESH, Refusals())
+
+    def look(self, now: float) -> float:
+        """Take the messages that have come until `now` [s], and return the time [s]."""
+        for sample in self._ring.waiting(_WAITING):
+            message, chosen = self._states.take(sample.data, now), self._states.obeyed(now)
+            if message is not None and chosen is not None and chosen.message is message:
+                self.seen(message.t, now)
+        return self.t
+
+
+class Lifetime:
+    """Whether a process has a reason to end, by what it hears of the plant.
+
+    Args:
+        clock: Gets the time of each message of the plant.
+        patience: It ends after so long without a plant [s].
+        duration: The run ends at that plant time [s]; None if it does not.
+        speed: How many times as fast as real time the plant runs.
+    """
+
+    GRACE = 2.0  # [s] by which a plant that is no longer heard may be late
+
+    def __init__(
+        self, clock: PlantClock, *, patience: float, duration: float | None, speed: float
+    ) -> None:
+        self.clock = clock
         self._patience = patience
-        self._duration = duration
+        self._duration = math.inf if duration is None else duration
         self._speed = speed
-        self._heard = now
-        self._t = 0.0
-        self._ever = False
-        self._over = 0
-
-    def plant_seen(self, t: float, now: float) -> None:
-        """The plant said `now` [s] that its time is `t` [s]."""
-        self._t, self._heard, self._ever = t, now, True
-
-    @property
-    def t(self) -> float:
-        """Plant time last heard [s]."""
-        return self._t
 
     def over(self, now: float) -> bool:
-        """Tell whether the run has reached its end; to be asked a few times a second."""
-        if self._duration is None:
-            return False
-        silent = now - self._heard
-        late = self._t + (silent - self.GRACE) * self._speed if self._ever else 0.0
-        self._over = self._over + 1 if max(self._t, late) >= self._duration - 1e-9 else 0
-        return self._over >= self._TWICE
+        """Return whether the run has reached its end, or would have, `now` [s]."""
+        clock = self.clock
+        late = clock.t + (now - clock.heard - self.GRACE) * self._speed if clock.ever else 0.0
+        return max(clock.t, late) >= self._duration - 1e-9
 
     def timed_out(self, now: float) -> str | None:
-        """Return why it waits no longer, or None."""
-        if now - self._heard <= self._patience:
+        """Return why it waits no longer `now` [s], or None."""
+        if now - self.clock.heard <= self._patience:
             return None
-        silence = "no plant was heard" if self._ever else "no plant was ever heard"
+        silence = "no plant was heard" if self.clock.ever else "no plant was ever heard"
         return f"{silence} for {self._patience:g} s"

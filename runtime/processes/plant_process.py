@@ -13,7 +13,8 @@ from runtime.processes.command_arbiter import EXPRESSIONS, CommandArbiter
 from runtime.processes.goal_memory import GoalMemory
 from runtime.processes.lifetime import FAILED
 from runtime.processes.meters import AnswerTimes
-from runtime.processes.process import Loop, Process
+from runtime.processes.node import Context, Node
+from runtime.processes.process import Process
 from runtime.processes.state_publisher import StatePublisher, TruthLog
 from runtime.processes.timing import Pacer
 from runtime.wire import topics
@@ -24,7 +25,7 @@ _LATE = 0.02  # [s] of real time at least: so much may hold up anybody on a busy
 _FAREWELL = 0.5  # [s] for which the last state is told, so that everybody learns of the end
 
 
-class PlantLoop(Loop):
+class PlantNode(Node):
     """Integrates the robot at its period, by the commands in force, and tells its state.
 
     Its time starts with the first valid command and stands still while the process is stopped.
@@ -33,7 +34,6 @@ class PlantLoop(Loop):
     """
 
     def __init__(self, process: Process, answers: AnswerTimes | None = None) -> None:
-        super().__init__()
         deployment = process.deployment
         robot = deployment.description.robot
         self._process = process
@@ -67,7 +67,7 @@ class PlantLoop(Loop):
         """Return how long each agent takes to answer."""
         return self._answers.spreads()
 
-    def run(self) -> None:
+    def run(self, context: Context) -> None:
         """Move in real time until the run's duration is over."""
         pacer = Pacer(self._period / self._speed)
         self._wait_for_the_first_command(pacer)

@@ -1,4 +1,4 @@
-"""What the processes of all roles have in common: a place on the bus, a log, and an end."""
+"""What the processes of all roles have in common: the bus, a log, a watchdog, and an end."""
 
 import gc
 import os
@@ -9,24 +9,24 @@ import sys
 import threading
 import time
 import traceback
-from abc import ABC, abstractmethod
-from collections.abc import Mapping
 from contextlib import ExitStack
 from pathlib import Path
 from types import TracebackType
 from typing import Self
 
+from plant.robot import Robot
 from runtime import VERSION
 from runtime.config.deployment import Deployment, ProcessSpec
 from runtime.processes.joining import find_run, join
-from runtime.processes.lifetime import FAILED, Lifetime, Shutdown
+from runtime.processes.lifetime import FAILED, BusClock, Lifetime, PlantClock, Shutdown
 from runtime.processes.log_writer import LogWriter, new_run_folder
-from runtime.processes.meters import Durations, Rate
+from runtime.processes.meters import Rate
+from runtime.processes.node import Context, Node
 from runtime.processes.scheduling import set_realtime
 from runtime.spawning.identity import start_line
 from runtime.wire import topics
 from runtime.wire.bus import BusError
-from runtime.wire.messages import Diag, Spread, stamped
+from runtime.wire.messages import Diag, stamped
 from runtime.wire.refusals import Refusals
 from runtime.wire.zenoh_internals.connection_log import ConnectionLog
 from runtime.wire.zenoh_internals.linger import disable_linger
@@ -36,37 +36,13 @@ _FLUSH, _REPORT = 2, 4  # looks from one flush of the log, one diag to the next
 _LAST_RESORT = 3.0  # [s] after which a process whose bus does not close is ended by the system
 
 
-class Loop(ABC):
-    """What a process does all its life; each kind of role has its own.
+class Process(Context):
+    """One process, which is on the bus from its making to the end of its `with` block.
 
-    work: how long each turn took
-    state: in a few words what it is doing, for people to see
-    """
-
-    def __init__(self) -> None:
-        self.work = Durations()
-        self.state = "waits for the plant"
-
-    @property
-    def perception(self) -> str:
-        """What it goes by."""
-        return "none"
-
-    def answers(self) -> Mapping[str, Spread]:
-        """Return how long others take to answer, by role."""
-        return {}
-
-    @abstractmethod
-    def run(self) -> None:
-        """Go on until there is no more to do, or `BusError` says that the end has come."""
-
-
-class Process:
-    """One process: on the bus from its making to the end of its `with` block.
-
-    t: plant time last heard or made [s]
-    life: when it has no more reason to go on; None if its loop judges alone
-    run: the folder of its log
+    Attributes:
+        deployment: What it is a part of.
+        file: Where the deployment was read from.
+        life: Says when it has no more reason to go on; None if its node decides alone.
     """
 
     def __init__(
@@ -78,15 +54,11 @@ class Process:
     ) -> None:
         sys.setswitchinterval(0.0001)  # [s], or a busy thread makes the loop wait 5 ms
         self.deployment, self.role, self.file = deployment, member.role, file.absolute()
+        self._bus_clock: BusClock | None = None
         self.ending = Shutdown()
         self.refusals = Refusals(self._note_refused)
         self.t = 0.0
-        self.life: Lifetime | None = Lifetime(
-            patience=deployment.patience,
-            duration=deployment.duration,
-            speed=deployment.speed,
-            now=time.monotonic(),
-        )
+        self.life: Lifetime | None = self._lifetime(PlantClock(time.monotonic()))
         self._rate = 0.0
         self._n = 0
         self._strangers: ConnectionLog | None = None
@@ -104,6 +76,20 @@ class Process:
             self.log = LogWriter(self.run, self.role)
             self._stack = stack.pop_all()
 
+    def _lifetime(self, clock: PlantClock) -> Lifetime:
+        of = self.deployment
+        return Lifetime(clock, patience=of.patience, duration=of.duration, speed=of.speed)
+
+    @property
+    def robot(self) -> Robot:
+        """The description of the robot."""
+        return self.deployment.description.robot
+
+    def follow_plant(self) -> None:
+        """Read plant time from the bus, for a node that does not take it from the messages."""
+        self._bus_clock = BusClock(self.bus, time.monotonic())
+        self.life = self._lifetime(self._bus_clock)
+
     def __enter__(self) -> Self:
         return self
 
@@ -116,8 +102,8 @@ class Process:
         self._stack.close()
         self.log.close()
 
-    def live(self, loop: Loop) -> int:
-        """Go through with the loop, in the main thread, and return the exit code."""
+    def live(self, node: Node) -> int:
+        """Run the node to its end, in the main thread, and return the exit code."""
         gc.freeze()  # what there is by now stays: no need to look at it again for garbage
         self.ending.catch_signals()
         by = f"{self.bus.incarnation:x}"
@@ -126,13 +112,13 @@ class Process:
         )
         self.log.flush()
         self.bus.answer(topics.stop(self.role), self._stop)
-        self.bus.answer(topics.diag(self.role), lambda _: self._diag_bytes(loop))
+        self.bus.answer(topics.diag(self.role), lambda _: self._diag_bytes(node))
         self.bus.announce(self.role)
-        watchdog = threading.Thread(target=self._watch, args=(loop,), name="watchdog")
+        watchdog = threading.Thread(target=self._watch, args=(node,), name="watchdog")
         watchdog.start()
         try:
-            loop.run()
-            self.ending.ask("there is no more to do")
+            node.run(self)
+            self.ending.ask("it has finished")
         except BusError as error:
             self.ending.ask(str(error), FAILED)
         except Exception as error:
@@ -141,10 +127,10 @@ class Process:
         signal.setitimer(signal.ITIMER_REAL, 0)
         return self.ending.code
 
-    def _watch(self, loop: Loop) -> None:
+    def _watch(self, node: Node) -> None:
         """Look after the process until there is a reason to end it, then close the bus."""
         try:
-            self._look_after(loop)
+            self._look_after(node)
         except Exception as error:  # without a watchdog nothing may go on
             self._note_crash(error)
         self.log.write(self.t, "end", reason=self.ending.reason, code=self.ending.code)
@@ -152,7 +138,7 @@ class Process:
         signal.setitimer(signal.ITIMER_REAL, _LAST_RESORT)
         self.bus.close()
 
-    def _look_after(self, loop: Loop) -> None:
+    def _look_after(self, node: Node) -> None:
         """Look four times a second whether to end; flush the log, and say how it is."""
         publisher = self.bus.publisher(topics.diag(self.role))
         rate = Rate(time.monotonic())
@@ -162,6 +148,8 @@ class Process:
             pause = _CHECK
             disable_linger()
             now = time.monotonic()
+            if self._bus_clock:
+                self.t = self._bus_clock.look(now)
             if self.life and self.life.over(now):
                 self.ending.ask("the run is over")
             elif self.life and (reason := self.life.timed_out(now)):
@@ -169,8 +157,8 @@ class Process:
             if self._strangers:
                 self._strangers.look()
             if looks % _REPORT == 0:
-                self._rate = rate.look(loop.work.count, now)
-                publisher.send(self.diag(loop))
+                self._rate = rate.look(node.work.count, now)
+                publisher.send(self.diag(node))
             if looks % _FLUSH == 0:
                 self.log.flush()
             looks += 1
@@ -179,28 +167,28 @@ class Process:
         self.log.write(self.t, "crash", trace=traceback.format_exc())
         self.ending.ask(f"{type(error).__name__}: {error}", FAILED)
 
-    def diag(self, loop: Loop) -> Diag:
+    def diag(self, node: Node) -> Diag:
         """Return how it is."""
         return Diag(
             t=self.t,
             role=self.role,
             host=socket.gethostname(),
             pid=os.getpid(),
-            state=loop.state,
+            state=node.state,
             rate=self._rate,
-            work=loop.work.spread(),
-            answers=loop.answers(),
+            work=node.work.spread(),
+            answers=node.answers(),
             refused=self.refusals.table(),
-            perception=_printable(loop.perception),
+            perception=_printable(node.perception),
             run=_printable(str(self.run)),
             deployment=_printable(str(self.file)),
             version=VERSION,
             clock=time.time_ns() // 1000,
         )
 
-    def _diag_bytes(self, loop: Loop) -> bytes:
+    def _diag_bytes(self, node: Node) -> bytes:
         self._n += 1
-        return stamped(self.diag(loop), self.bus.incarnation, self._n)
+        return stamped(self.diag(node), self.bus.incarnation, self._n)
 
     def _stop(self, _: bytes) -> bytes:
         self.ending.ask("asked to stop")

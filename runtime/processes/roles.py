@@ -1,7 +1,6 @@
-"""Which loop a role has, and its whole life in one call.
+"""Which node a role has, and its process from start to end in one call.
 
-A process imports only the loop of its own role: what it need not import is time in which a revived
-one acts already.
+A process imports only what its own role needs: a revived one acts the sooner.
 """
 
 import sys
@@ -10,7 +9,8 @@ from pathlib import Path
 
 from plant.errors import MsmaError
 from runtime.config.deployment import Deployment, ProcessSpec
-from runtime.processes.process import Loop, Process
+from runtime.processes.node import Node
+from runtime.processes.process import Process
 from runtime.wire import topics
 
 _AGENTS = "an agent"
@@ -31,33 +31,46 @@ def preload(role: str | None = None) -> None:
 
 
 def live(deployment: Deployment, member: ProcessSpec, file: Path, run: Path | None = None) -> int:
-    """Be that process until its end, and return the exit code.
+    """Be that process until its end.
 
-    `file` is where the deployment was read from, `run` the folder of the log: if it is not
-    given, that of the others which run already, or else a new one. Raises `MsmaError` if it
-    cannot begin.
+    Args:
+        deployment: What the process is a part of.
+        member: Which process.
+        file: Where the deployment was read from.
+        run: The folder of the log; by default that of the processes that run already, or else a
+            new one.
+
+    Returns:
+        The exit code.
+
+    Raises:
+        MsmaError: The process cannot start.
     """
     if member.copy and member.role == topics.PLANT:
         raise MsmaError("the plant is the robot: there can be no copy of it")
     with Process(deployment, member, file, run) as process:
-        loop = _loop(process)
-        place = f"{member.role} of {deployment.robot}"
-        print(f"{place}: its log is {process.log.path}", file=sys.stderr, flush=True)
-        code = process.live(loop)
-        print(f"{place}: {process.ending.reason}", file=sys.stderr, flush=True)
+        node = _node(process)
+        name = f"{member.role} of {deployment.robot}"
+        print(f"{name}: its log is {process.log.path}", file=sys.stderr, flush=True)
+        code = process.live(node)
+        print(f"{name}: {process.ending.reason}", file=sys.stderr, flush=True)
     return code
 
 
-def _loop(process: Process) -> Loop:
+def _node(process: Process) -> Node:
     deployment, role = process.deployment, process.role
     if role == topics.PLANT:
-        from runtime.processes.plant_process import PlantLoop
+        from runtime.processes.plant_process import PlantNode
 
-        return PlantLoop(process)
+        return PlantNode(process)
     if role == topics.GOAL_SOURCE and deployment.goal is not None:
-        from runtime.processes.goal_process import GoalLoop
+        from runtime.processes.goal_process import GoalNode
 
-        return GoalLoop(process, deployment.goal.build())
-    from runtime.processes.agent_process import AgentLoop
+        return GoalNode(process, deployment.goal.build())
+    spec = deployment.node(role)
+    if spec is not None:
+        process.follow_plant()
+        return spec.build()
+    from runtime.processes.agent_process import AgentNode
 
-    return AgentLoop(process, deployment.build_agent(role))
+    return AgentNode(process, deployment.build_agent(role))

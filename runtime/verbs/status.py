@@ -48,7 +48,7 @@ def _glance(watcher: Watcher) -> View:
     """Look once the hand and the goal were told, if they are."""
     until = time.monotonic() + _HAND
     view = watcher.look()
-    while view.error is None and time.monotonic() < until:
+    while (view.error is None or not view.t) and time.monotonic() < until:
         time.sleep(0.02)
         view = watcher.look()
     return view

@@ -5,6 +5,7 @@ import threading
 import time
 from typing import NamedTuple
 
+from runtime.processes.lifetime import BusClock
 from runtime.watching.roster import Roster, Row
 from runtime.wire import topics
 from runtime.wire.arbitration import GoalInput, TopicInput
@@ -35,14 +36,18 @@ class View(NamedTuple):
 
 
 class Watcher:
-    """Watches a robot from a place on its bus; `look` as often as it is to be shown."""
+    """Watches a robot from a place on its bus; `look` as often as it is to be shown.
+
+    Attributes:
+        clock: Plant time, as of the last look.
+    """
 
     def __init__(self, bus: Bus) -> None:
         self._bus = bus
         self._lock = threading.Lock()
         self._changed = threading.Event()
         self._roster = Roster()
-        self._t = 0.0
+        self.clock = BusClock(bus, time.monotonic())
         self._worst: float | None = None
         refusals = Refusals()
         self._hand = TopicInput(topics.HAND, EndEffectorPose, _FRESH, refusals)
@@ -71,8 +76,6 @@ class Watcher:
             return
         with self._lock:
             self._roster.diag(diag, time.monotonic())
-            if diag.role == topics.PLANT:
-                self._t = diag.t
 
     def ask_all(self, timeout: float = 1.0) -> None:
         """Ask all how they are, so that one need not wait for them to say so; at most so long."""
@@ -89,19 +92,17 @@ class Watcher:
         for goals in self._goals:
             for arrival in goals.waiting(_AT_ONCE):
                 self._goal.take(arrival.key, arrival.data, now)
-        pose, told = self._hand.fresh(now), self._goal.obeyed(now)
+        t, pose, told = self.clock.look(now), self._hand.fresh(now), self._goal.obeyed(now)
         goal = error = None
-        if pose is not None:
-            self._t = pose.t
         if told is not None:
-            goal = goal_at(told, self._t)
+            goal = goal_at(told, t if pose is None else pose.t)
         if pose is not None and goal is not None:
             error = math.dist(pose.position, goal)
             self._worst = max(self._worst or 0.0, error)
         with self._lock:
             rows = self._roster.rows()
         hand = pose.position if pose is not None else None
-        return View(self._t, hand, goal, error, self._worst, rows)
+        return View(t, hand, goal, error, self._worst, rows)
 
     def stop(self, role: str, timeout: float = 1.0) -> list[Answer]:
         """Ask all processes of a role to stop; no answer means that nobody heard it."""

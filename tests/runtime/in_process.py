@@ -8,7 +8,7 @@ from contextlib import suppress
 from agents.agent import Agent
 from runtime.config.deployment import ProcessSpec, load
 from runtime.config.overrides import Override
-from runtime.processes.agent_process import AgentLoop
+from runtime.processes.agent_process import AgentNode
 from runtime.processes.process import Process
 from runtime.wire.bus import BusError
 from tests.runtime.conftest import ProcessGroup
@@ -26,11 +26,11 @@ def live_as_joint_1(
 
     def live() -> None:
         with Process(deployment, member, processes.file, processes.run) as process:
-            loop = AgentLoop(process, agent)
+            node = AgentNode(process, agent)
 
             def run() -> None:
                 with suppress(BusError):  # it may be just about to tell something
-                    loop.run()
+                    node.run(process)
 
             thread = threading.Thread(target=run)
             thread.start()

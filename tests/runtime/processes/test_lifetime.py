@@ -1,14 +1,24 @@
-"""Histories of what is heard of the plant, and when a process has no more reason to live."""
+"""Histories of what is heard of the plant, and when a process has a reason to end."""
+
+import threading
+import time
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from runtime.processes.lifetime import Lifetime
+from runtime.processes.lifetime import BusClock, Lifetime, PlantClock, Shutdown
+from runtime.wire import topics
+from runtime.wire.bus import Bus
+from runtime.wire.messages import JointStates
+from tests.runtime.conftest import ProcessGroup, wait_for
 
 PATIENCE, DURATION = 10.0, 24.0  # [s]
+HUGE = 5e8  # [s]
 
 
 def life(duration: float | None = DURATION, speed: float = 1.0) -> Lifetime:
-    return Lifetime(patience=PATIENCE, duration=duration, speed=speed, now=100.0)
+    return Lifetime(PlantClock(100.0), patience=PATIENCE, duration=duration, speed=speed)
 
 
 def test_without_a_plant_patience_ends() -> None:
@@ -17,31 +27,39 @@ def test_without_a_plant_patience_ends() -> None:
     assert waiting.timed_out(110.1) == "no plant was ever heard for 10 s"
 
 
-def test_each_word_of_the_plant_renews_patience() -> None:
+def test_each_message_of_the_plant_renews_patience() -> None:
     waiting = life()
-    waiting.plant_seen(0.0, 109.0)
+    waiting.clock.seen(0.0, 109.0)
     assert waiting.timed_out(118.9) is None
     assert waiting.timed_out(119.1) == "no plant was heard for 10 s"
 
 
-def test_the_run_is_over_when_the_plant_says_so() -> None:
+def test_the_run_is_over_when_two_messages_say_so() -> None:
     run = life()
-    run.plant_seen(23.9, 124.0)
-    assert not run.over(124.0)
-    run.plant_seen(24.0, 124.1)
-    run.over(124.1)
-    assert run.over(124.35)
+    run.clock.seen(23.9, 124.0)
+    run.clock.seen(24.0, 124.1)
+    assert not run.over(124.1)
+    run.clock.seen(24.0, 124.2)
+    assert run.over(124.2)
 
 
-def test_one_corrupted_time_ends_nothing() -> None:
+def test_one_message_with_a_wrong_time_ends_nothing_however_often_it_is_looked_at() -> None:
     run = life()
-    run.plant_seen(3.0, 103.0)
-    run.plant_seen(5e8, 103.1)
-    assert not run.over(103.1)
-    run.plant_seen(3.1, 103.2)
-    assert not run.over(103.35)
-    run.plant_seen(5e8, 103.5)
-    assert not run.over(103.6)
+    run.clock.seen(3.0, 103.0)
+    run.clock.seen(HUGE, 103.1)
+    for later in range(20):
+        assert not run.over(103.1 + later / 10)
+
+
+@given(st.lists(st.booleans(), max_size=50))
+def test_no_wrong_times_with_a_right_one_after_each_move_the_clock(wrong: list[bool]) -> None:
+    clock = PlantClock(0.0)
+    for number, is_wrong in enumerate(wrong):
+        if is_wrong:
+            clock.seen(HUGE, 0.0)
+            assert clock.t <= number
+        clock.seen(float(number), 0.0)
+        assert clock.t <= number
 
 
 @pytest.mark.parametrize(("speed", "end"), [(1.0, 107.0), (2.0, 105.5), (5.0, 104.6)])
@@ -49,30 +67,82 @@ def test_when_the_plant_dies_the_run_is_over_2_s_after_it_would_have_been(
     speed: float, end: float
 ) -> None:
     run = life(speed=speed)
-    run.plant_seen(21.0, 104.0)
-    assert not run.over(end + 1.8)
+    for _ in range(2):
+        run.clock.seen(21.0, 104.0)
     assert not run.over(end + 1.9)
-    run.over(end + 2.1)
-    assert run.over(end + 2.2)
+    assert run.over(end + 2.1)
 
 
 def test_a_plant_that_waits_for_the_first_command_is_not_over() -> None:
     run = life(duration=1.0)
     for tenth in range(200):
-        run.plant_seen(0.0, 100.0 + tenth / 10)
+        run.clock.seen(0.0, 100.0 + tenth / 10)
         assert not run.over(100.0 + tenth / 10)
 
 
 def test_a_run_without_an_end_is_never_over() -> None:
     run = life(duration=None)
-    run.plant_seen(1e6, 101.0)
-    run.over(101.0)
+    for _ in range(2):
+        run.clock.seen(1e6, 101.0)
     assert not run.over(102.0)
 
 
 def test_a_plant_that_starts_again_starts_the_run_again() -> None:
     run = life()
-    run.plant_seen(23.0, 123.0)
-    run.plant_seen(0.0, 124.0)
-    run.over(126.5)
+    run.clock.seen(23.0, 123.0)
+    run.clock.seen(0.0, 124.0)
     assert not run.over(127.0)
+
+
+def test_the_end_wakes_all_threads_that_wait_for_it() -> None:
+    ending, woken = Shutdown(), []
+    threads = [
+        threading.Thread(target=lambda: woken.append(ending.wait(60.0)), daemon=True)
+        for _ in range(4)
+    ]
+    for thread in threads:
+        thread.start()
+    ending.ask("it is enough")
+    for thread in threads:
+        thread.join(30.0)
+    assert woken == [True] * 4
+
+
+def test_on_the_bus_one_message_of_a_stranger_moves_no_clock(processes: ProcessGroup) -> None:
+    processes.start("plant", "goal", "joint/2")
+    bus = processes.visit()
+    clock = BusClock(bus, time.monotonic())
+    wait_for(lambda: clock.look(time.monotonic()) > 0.5, "the plant's time to go on")
+    stranger = bus.publisher(topics.JOINTS)
+    stranger.send(JointStates(HUGE, (0.0,) * 6, (0.0,) * 6))
+    later = clock.t + 0.5
+    wait_for(lambda: clock.look(time.monotonic()) > later, "it to go on after that")
+    assert clock.t < HUGE
+
+
+def test_one_wrong_time_in_the_plants_own_name_ends_no_process_and_fires_no_chaos(
+    processes: ProcessGroup,
+) -> None:
+    """Each agent sees the message with a huge time in a row of sound ones of the same source."""
+    processes.options += ["--set", "duration=60"]
+    processes.start("goal", "joint/2")
+    bus: Bus = processes.visit()
+    plant = bus.publisher(topics.JOINTS)
+
+    def say(t: float) -> None:
+        plant.send(JointStates(t, (0.0,) * 6, (0.0,) * 6))
+        time.sleep(0.01)
+
+    def running() -> bool:
+        say(1.0)
+        return all(
+            diag is not None and diag.t > 0
+            for diag in (processes.diag(bus, role) for role in ("goal", "joint/2"))
+        )
+
+    wait_for(running, "both to perceive the plant")
+    say(HUGE)
+    for _ in range(60):  # several looks of the watchdogs
+        say(1.0)
+    for role in ("goal", "joint/2"):
+        assert processes.all[role].poll() is None
