@@ -113,9 +113,12 @@ def test_a_node_that_fails_at_its_start_ends_no_run(robot: Robot) -> None:
         ),
         (
             "role: eye, class: mine:Camera}\n  - {role: eye, class: mine:Camera",
-            "a node eye already",
+            "duplicate node eye",
         ),
-        ("role: e/1, class: mine:Camera}\n  - {role: e-1, class: mine:Camera", "duplicate node e-1, first"),
+        (
+            "role: e/1, class: mine:Camera}\n  - {role: e-1, class: mine:Camera",
+            "duplicate node e-1",
+        ),
     ],
 )
 def test_a_mistake_in_a_node_is_told_with_its_place(tmp_path: Path, entry: str, says: str) -> None:
