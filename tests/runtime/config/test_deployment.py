@@ -47,7 +47,7 @@ def refused(text: str) -> str:
 
 
 @pytest.mark.parametrize(("old", "new", "says"), EXAMPLES["misshapen"] + EXAMPLES["senseless"])
-def test_a_mistake_is_told_with_its_place_and_what_is_valid(
+def test_an_error_names_its_location_and_what_is_valid(
     folder: Path, old: str | None, new: str, says: str
 ) -> None:
     said = refused(new if old is None else GOOD.replace(old, new, 1)).replace(str(folder), "FOLDER")
@@ -100,7 +100,7 @@ def test_a_default_follows_from_what_is_given(folder: Path) -> None:
     assert deployment.port != read(text, robot="y").port
 
 
-def test_a_bolted_robot_stands_at_the_origin() -> None:
+def test_a_robot_without_a_platform_stands_at_the_origin() -> None:
     start = read("robot: x\ndescription: planar5\nperiod: 20 ms\nagents: []\n").start
     assert (start.platform, start.base) == (None, (0.0, 0.0, 0.0))
 
@@ -196,7 +196,7 @@ def test_classes_of_ones_own_lie_beside_the_file_or_in_modules(folder: Path) -> 
     assert read(text, modules="elsewhere").modules == folder / "elsewhere"
 
 
-def test_a_module_that_breaks_on_import_is_told_at_its_name(folder: Path) -> None:
+def test_an_error_in_a_module_is_reported_at_its_name(folder: Path) -> None:
     (folder / "broken_agents.py").write_text("1 / 0\n")
     (folder / "lacking_agents.py").write_text("import nothing_of_that_name\n")
     place = "x.yaml:14:28: agents.joint/1.class: module"

@@ -84,5 +84,5 @@ def test_chaos_is_added_to_that_of_the_file() -> None:
         ("--fault", "joint/1:lame@5", "chaos.0.fault: joint has no fault 'lame'"),
     ],
 )
-def test_a_mistake_is_told_at_the_option(option: str, value: str, says: str) -> None:
+def test_an_error_names_the_option(option: str, value: str, says: str) -> None:
     assert refused(option, value).startswith(f"{option} {value}: {says}")

@@ -83,7 +83,7 @@ def test_aliases_and_merge_keys_are_written_out() -> None:
         ("[" * 200_000, "x.yaml:1:22: is nested deeper than 20 levels"),
     ],
 )
-def test_what_is_not_yaml_or_not_wanted_of_it_is_refused_with_its_place(
+def test_bad_yaml_is_refused_with_its_location(
     text: str, says: str
 ) -> None:
     assert refused(text) == says
@@ -164,7 +164,7 @@ def test_an_override_replaces_or_adds_one_value(path: str, changed: dict[str, An
     assert override(path, "'[3]'").plain() == plain(TEXT) | changed
 
 
-def test_the_place_of_an_overridden_value_is_the_override() -> None:
+def test_the_location_of_an_overridden_value_is_the_override() -> None:
     value = override("list.r.k", "[1, 2]").find("list", 0, "k", 1)
     assert str(value.error("is wrong")) == "--set list.r.k=[1, 2]: list.r.k.1: is wrong"
 
