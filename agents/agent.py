@@ -11,7 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from plant.errors import MsmaError
-from plant.robot import Robot
+from plant.plant import Readings
+from plant.robot import Robot, Row
 
 Array = npt.NDArray[np.float64]
 
@@ -74,6 +75,21 @@ class Percepts(NamedTuple):
     base: Array | None = None
     goal: Goal | None = None
     sensors: Mapping[str, Any] = MappingProxyType({})
+
+    @classmethod
+    def of(cls, readings: Readings, goal: Goal) -> "Percepts":
+        """Return what an agent perceives that gets all readings, of one robot or a batch."""
+
+        def array(row: Row | None) -> Array | None:
+            return None if row is None else np.asarray(row)
+
+        return cls(
+            readings.t,
+            hand=array(readings.position),
+            joints=Joints(np.asarray(readings.q), np.asarray(readings.qd)),
+            base=array(readings.base),
+            goal=goal,
+        )
 
 
 @dataclass(frozen=True)

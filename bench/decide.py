@@ -14,9 +14,10 @@ from bench.decisions import batched, single_cases, thinker
 from bench.ik_solvers import Solver, missing, solvers
 from bench.interleaving import in_turn
 from bench.position_goals import Solved, solve_all
+from plant.kinematic import KinematicPlant
 from plant.kinematics import Kinematics
+from plant.plant import Setup
 from plant.robot import Robot
-from plant.simulator import Simulator
 from plant.urdf import ROBOTS, load
 from studies import no_model
 from studies.arm_batch import PERIOD, ArmAgents
@@ -104,14 +105,15 @@ def _crew(sees: str, count: int) -> Callable[[], _CrewRun]:
         start = np.tile(np.radians([-30.0, 40.0, 40.0, 40.0, 40.0]), (count, 1))
         place = Kinematics(robot).forward(rng.uniform(-1.0, 1.0, (count, robot.n))).tip
         goal = Goal(place, np.zeros_like(place), 0.0, 0.0)
-        plant = Simulator(robot, start, period=PERIOD)
+        plant = KinematicPlant(Setup(robot, start, period=PERIOD))
         processes = ArmAgents(robot, seed=1, perception=sees)
         steps = min(STEPS, 400_000 // count)
         begun = time.perf_counter()
         for _ in range(steps):
-            plant.step(processes.commands(plant, goal))
+            plant.write(processes.commands(plant, goal))
+            plant.step()
         took = time.perf_counter() - begun
-        away = np.linalg.norm(plant.hand().position - place, axis=-1)
+        away = np.linalg.norm(plant.truth().position - place, axis=-1)
         before = np.linalg.norm(Kinematics(robot).forward(start).tip - place, axis=-1)
         nearer = away < np.where(steps == STEPS, 0.005, before)
         return _CrewRun(robot.n * count * steps / took, float(nearer.mean()))

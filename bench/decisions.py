@@ -10,11 +10,11 @@ import numpy as np
 from agents.agent import Agent, Array, Body, Goal, Percepts
 from agents.joint import JointAgent
 from bench.msma_runs import ARPH, deployed
-from plant.plant import Commands
+from plant.kinematic import KinematicPlant
+from plant.plant import Commands, Plant, Setup
 from plant.robot import Robot
-from plant.simulator import Simulator
 from plant.urdf import load
-from studies.lockstep import decide_all, percepts_of
+from studies.lockstep import decide_all
 
 
 class Case(NamedTuple):
@@ -30,7 +30,7 @@ class ArmRun(NamedTuple):
     agents: by role; seen: what they perceived, tick by tick; commands: the last
     """
 
-    plant: Simulator
+    plant: Plant
     agents: Mapping[str, Agent]
     seen: Sequence[Percepts]
     commands: Commands
@@ -40,13 +40,7 @@ def arm_run(ticks: int, period: float | None = None) -> ArmRun:
     """Let the mobile arm's agents move it along its goal, at `period` [s] or the paper's."""
     arph = deployed(ARPH, *([] if period is None else [f"period={1e3 * period:g} ms"]))
     assert arph.goal is not None
-    assert arph.start.platform is not None
-    plant = Simulator(
-        arph.description.robot,
-        np.array(arph.start.joints),
-        np.array(arph.start.platform),
-        period=arph.period,
-    )
+    plant = arph.build_plant()
     agents = {spec.role: arph.build_agent(spec.role) for spec in arph.agents}
     return _run(plant, agents, arph.goal.build().piece, ticks)
 
@@ -64,7 +58,7 @@ def single_cases(ticks: int) -> dict[str, Case]:
     cases = {name: Case(partial(arph.build_agent, role), seen) for name, role in names.items()}
     planar = load("planar5")
     path = Goal(np.array([0.37, 0.44, 0.0]), np.array([0.02, -0.02, 0.0]), 0.0, 1e6)
-    plant = Simulator(planar, np.radians([-30.0, 40.0, 40.0, 40.0, 40.0]), period=0.02)
+    plant = KinematicPlant(Setup(planar, np.radians([-30.0, 40.0, 40.0, 40.0, 40.0]), period=0.02))
     processes = {f"joint/{i + 1}": _joint(planar, i, "auto") for i in range(5)}
     seen = _run(plant, processes, lambda _: path, ticks).seen
     for sees in ("blackboard", "auto", "localiser"):
@@ -78,15 +72,17 @@ def _joint(robot: Robot, index: int, perception: str) -> Agent:
 
 
 def _run(
-    plant: Simulator, agents: Mapping[str, Agent], piece: Callable[[float], Goal], ticks: int
+    plant: Plant, agents: Mapping[str, Agent], piece: Callable[[float], Goal], ticks: int
 ) -> ArmRun:
     """Let agents move a plant."""
     seen = []
     for _ in range(ticks):
-        percepts = percepts_of(plant, piece(plant.state.t))
+        readings = plant.read()
+        percepts = Percepts.of(readings, piece(readings.t))
         seen.append(percepts)
-        commands = decide_all(agents, percepts, plant.state.q.shape)
-        plant.step(commands)
+        commands = decide_all(agents, percepts, np.shape(readings.q))
+        plant.write(commands)
+        plant.step()
     return ArmRun(plant, agents, seen, commands)
 
 

@@ -1,1 +1,1 @@
-"""The robot: its description, kinematics, faults and simulator."""
+"""The robot: its description and kinematics, and the plants that move it."""

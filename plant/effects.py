@@ -1,4 +1,4 @@
-"""What faults do: to the motors before they move, to the sensors before they tell."""
+"""What faults do: to the motors before a step, to the sensors before they are read."""
 
 from collections import deque
 from collections.abc import Callable
@@ -7,17 +7,17 @@ from typing import NamedTuple
 import numpy as np
 
 from plant.faults import Fault
-from plant.kinematics import ArmPose, quaternion
+from plant.kinematics import ArmPose
 from plant.motion import State, stopping_speed
 from plant.plant import Commands
-from plant.robot import Array, Numbers, Robot, Row
+from plant.robot import Array, Robot, Row
 
 RUNAWAY_INTERVAL = 0.5
 """Mean time for which a joint that runs away keeps one random speed [s]."""
 
 
 class Encoders(NamedTuple):
-    """What the encoders tell; NaN for a joint whose encoder is lost.
+    """What the encoders measure; NaN for a joint whose encoder is lost.
 
     Attributes:
         q: (..., n) [rad].
@@ -29,55 +29,40 @@ class Encoders(NamedTuple):
 
 
 class Sighting(NamedTuple):
-    """What the localiser tells of the grip point, in the world.
+    """What the localiser measures of the tip, in the world.
 
     Attributes:
         position: (..., 3) [m].
-        rotation: (..., 3, 3), the hand's x, y and z directions as columns.
+        rotation: (..., 3, 3), the tip's x, y and z directions as columns.
     """
 
     position: Array
     rotation: Array
-
-    @property
-    def orientation(self) -> Array:
-        """(..., 4), the unit quaternion x, y, z, w; worked out only when it is asked for."""
-        return quaternion(self.rotation)
-
-
-class Readings(NamedTuple):
-    """What the sensors of a lone robot tell, in plain numbers.
-
-    Attributes:
-        q: n of the encoders [rad]; NaN for a joint whose encoder is lost.
-        qd: n of the encoders [rad/s]; NaN likewise.
-        hand: x, y, z of the grip point [m] by the localiser; empty when it is lost.
-        orientation: The hand's unit quaternion x, y, z, w; empty likewise.
-    """
-
-    q: Numbers
-    qd: Numbers
-    hand: Numbers = ()
-    orientation: Numbers = ()
 
 
 class Effects:
     """The faults that a robot, or each of a batch of robots, has at present: one per target."""
 
     def __init__(self, robot: Robot, period: float, rng: np.random.Generator) -> None:
-        """No faults yet; `period` [s] is that of the steps."""
+        """Begin without faults.
+
+        Args:
+            robot: What may be at fault.
+            period: Of the steps [s].
+            rng: What random faults draw from.
+        """
         self._robot, self._period, self._rng = robot, period, rng
         self._faults: dict[str, Fault] = {}
-        self._memory: dict[str, Array] = {}  # by target, what a fault has to remember
-        self._seen: deque[Sighting] = deque()  # by a localiser that is late, the oldest first
+        self._memory: dict[str, Array] = {}  # what a fault keeps, by its target
+        self._seen: deque[Sighting] = deque()  # by a late localiser, the oldest first
 
     @property
     def faults(self) -> tuple[Fault, ...]:
-        """Those that there are now."""
+        """The faults that there are now."""
         return tuple(self._faults.values())
 
     def inject(self, fault: Fault, state: State, sighting: Callable[[], Sighting]) -> None:
-        """Let `fault` begin, or end with kind `ok`. `sighting` gives the present truth."""
+        """Let a fault begin, or end with kind `ok`; `sighting` returns the true pose of the tip."""
         fault.check(self._robot)
         self._faults.pop(fault.target, None)
         self._memory.pop(fault.target, None)
@@ -93,7 +78,7 @@ class Effects:
                 self._seen = deque([sighting()], maxlen=steps + 1)
 
     def on_motors(self, commands: Commands, state: State, arm: Callable[[], ArmPose]) -> Commands:
-        """What the motors do of what they are told; `arm` gives the present pose in the world."""
+        """Return the speeds that the motors go for; `arm` returns the true pose of the arm."""
         if not self._faults:
             return commands
         joints = np.array(np.broadcast_to(commands.joints, state.q.shape))
@@ -106,7 +91,7 @@ class Effects:
         return Commands(joints, base)
 
     def on_encoders(self, state: State) -> Encoders:
-        """What the encoders tell of that state."""
+        """Return what the encoders measure of that state."""
         if not self._faults:
             return Encoders(state.q, state.qd)
         q, qd = np.array(state.q), np.array(state.qd)
@@ -126,7 +111,7 @@ class Effects:
         return Encoders(q, qd)
 
     def on_localiser(self, sighting: Callable[[], Sighting]) -> Sighting | None:
-        """What the localiser tells; None when it is lost. `sighting` gives the present truth."""
+        """Return what the localiser measures, None when it is lost; `sighting` as in `inject`."""
         fault = self._faults.get("localiser")
         if fault is None:
             return sighting()
@@ -140,7 +125,7 @@ class Effects:
         return None
 
     def after_step(self, sighting: Callable[[], Sighting]) -> None:
-        """Remember what a late localiser will tell later, and let random speeds change."""
+        """Keep what a late localiser will report later, and let random speeds change."""
         for fault in self._faults.values():
             match fault.kind, fault.value:
                 case "late", _:
@@ -154,7 +139,7 @@ class Effects:
     def _motor(
         self, fault: Fault, joints: Array, state: State, arm: Callable[[], ArmPose]
     ) -> Array | float:
-        """(...) speed that the motor of that joint goes for [rad/s]."""
+        """Return (...) the speed that the motor of that joint goes for [rad/s]."""
         joint, i = self._robot.joints[fault.index], fault.index
         match fault.kind, fault.value:
             case "locked", float(angle):
@@ -185,9 +170,9 @@ class Effects:
 
 
 def _pull(arm: ArmPose, index: int) -> Array:
-    """(...) the pull of gravity about that joint's axis, from -1 to 1.
+    """Return (...) the pull of gravity about that joint's axis, from -1 to 1.
 
-    As on a pendulum that hangs from the axis, with all that lies beyond the joint at the mean of
+    It is that on a pendulum that hangs from the axis, with all mass beyond the joint at the mean of
     the further joints and the tip. Friction makes the speed of a limp joint proportional to it.
     """
     beyond = np.concatenate([arm.points[..., index + 1 :, :], arm.tip[..., None, :]], axis=-2)

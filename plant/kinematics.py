@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from plant import scalar
 from plant.robot import Array, Numbers, Robot
 from plant.straight_line import Forward, forward_function
 
@@ -33,7 +34,7 @@ class ArmPose:
         return self._three(0)
 
     @property
-    def hand_of_one(self) -> tuple[Numbers, Numbers]:
+    def tip_of_one(self) -> tuple[Numbers, Numbers]:
         """A lone arm's grip point [m] (3), and its hand's rotation matrix row by row (9)."""
         return tuple(self._numbers[:3]), tuple(self._numbers[3:12])
 
@@ -165,7 +166,7 @@ def quaternion(rotation: Array) -> Array:
     is a multiple of q; the one with the largest diagonal element is the most exact.
     """
     if rotation.ndim == 2:
-        return np.array(quaternion_of_one(rotation.ravel().tolist()))
+        return np.array(scalar.quaternion(rotation.ravel().tolist()))
     outer = rotation.reshape(*rotation.shape[:-2], 9) @ _OUTER + _UNIT_OUTER
     best = outer[..., ::5].argmax(axis=-1)[..., None]
     outer = outer.reshape(*rotation.shape[:-2], 4, 4)
@@ -173,24 +174,6 @@ def quaternion(rotation: Array) -> Array:
     length = np.sqrt(np.einsum("...i,...i->...", column, column))
     unit: Array = column / np.copysign(length, column[..., 3])[..., None]
     return unit
-
-
-def quaternion_of_one(rotation: Sequence[float]) -> Numbers:
-    """The same of one rotation matrix, row by row (9), in plain numbers: much faster."""
-    xx, xy, xz, yx, yy, yz, zx, zy, zz = rotation
-    squares = (1.0 + xx - yy - zz, 1.0 - xx + yy - zz, 1.0 - xx - yy + zz, 1.0 + xx + yy + zz)
-    largest = max(squares)
-    match squares.index(largest):
-        case 0:
-            x, y, z, w = largest, xy + yx, zx + xz, zy - yz
-        case 1:
-            x, y, z, w = xy + yx, largest, yz + zy, xz - zx
-        case 2:
-            x, y, z, w = zx + xz, yz + zy, largest, yx - xy
-        case _:
-            x, y, z, w = zy - yz, xz - zx, yx - xy, largest
-    length = math.copysign(math.hypot(x, y, z, w), w)
-    return x / length, y / length, z / length, w / length
 
 
 def _outer_from_rotation() -> Array:

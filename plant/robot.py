@@ -135,3 +135,8 @@ def _fixed(values: list[float]) -> Array:
     array = np.array(values, dtype=np.float64)
     array.flags.writeable = False
     return array
+
+
+def numbers(row: Row) -> Numbers:
+    """Return the plain numbers of one robot's row, or of a matrix row by row."""
+    return row if isinstance(row, tuple) else tuple(row.ravel().tolist())

@@ -10,12 +10,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from agents.agent import Agent, Array, Body, Goal, Joints, Percepts
+from agents.agent import Agent, Array, Body, Goal, Percepts
 from agents.joint import JointAgent
 from plant.faults import Fault
-from plant.plant import Commands
+from plant.kinematic import KinematicPlant
+from plant.plant import Commands, Plant, Setup
 from plant.robot import Robot
-from plant.simulator import Simulator
+from studies.lockstep import true_motion
 
 PERIOD = 0.1
 """Period of the agents [s]: at 50 deg/s, a step is at most 5 deg."""
@@ -88,28 +89,24 @@ class ArmAgents:
         self._commanded: Array | None = None
         self._tick = 0
 
-    def commands(self, plant: Simulator, goal: Goal) -> Commands:
+    def commands(self, plant: Plant, goal: Goal) -> Commands:
         """Return the commands in force now; one that is not due, or was lost, stays as it was."""
-        shape = plant.state.q.shape
-        velocities = np.zeros(shape) if self._commanded is None else np.array(self._commanded)
         due = [i for i, at in enumerate(self._phase) if self._tick % self._meeting.ticks == at]
         self._tick += 1
         if due:
-            sighting, encoders = plant.localiser(), plant.encoders()
-            percepts = Percepts(
-                t=plant.state.t,
-                hand=None if sighting is None else sighting.position,
-                joints=Joints(encoders.q, encoders.qd),
-                goal=goal,
-            )
+            readings = plant.read()
+            percepts = Percepts.of(readings, goal)
+            if self._commanded is None:  # at rest; the first tick is always due for one
+                self._commanded = np.zeros(np.shape(readings.q))
+        velocities = np.array(self._commanded)
         for i in due:
             loss = self._meeting.loss
             if loss and self._rng.random() < loss:
                 continue
             velocity = self._agents[i].decide(percepts)
-            wanted = np.zeros(shape[:-1]) if velocity is None else velocity
+            wanted = np.zeros(velocities.shape[:-1]) if velocity is None else velocity
             if loss:
-                lost = self._rng.random(shape[:-1]) < loss
+                lost = self._rng.random(velocities.shape[:-1]) < loss
                 wanted = np.where(lost, velocities[..., i], wanted)
             velocities[..., i] = wanted
         self._commanded = velocities
@@ -134,24 +131,23 @@ def reach(
         enough: The run ends when all hands have been nearer than this for 1 s [m].
         **parameters: See `ArmAgents`.
     """
-    plant = Simulator(
-        robot, q, period=PERIOD / coupling.ticks, faults=faults,
-        rng=np.random.default_rng([seed, 1000]),
-    )  # fmt: skip
+    setup = Setup(robot, q, period=PERIOD / coupling.ticks, seed=[seed, 1000])
+    plant = KinematicPlant(setup, faults)
     agents = ArmAgents(robot, seed=seed, coupling=coupling, **parameters)
     goal = Goal(goals, np.zeros_like(goals), 0.0, 0.0)
     history = np.empty((steps + 1, len(goals)))
     quiet = 0
     for step in range(steps + 1):
-        away = plant.hand().position - goals
+        away = np.asarray(true_motion(plant).position) - goals
         history[step] = np.sqrt((away * away).sum(axis=-1))
         quiet = quiet + 1 if history[step].max() < enough else 0
         if quiet > SETTLED or step == steps:
             break
         for _ in range(coupling.ticks):
-            plant.step(agents.commands(plant, goal))
+            plant.write(agents.commands(plant, goal))
+            plant.step()
     history = history[: step + 1]
     near = history < NEAR
     first = np.where(near.any(axis=0), near.argmax(axis=0), np.inf)
     last = history[-SETTLED:].max(axis=0)
-    return ReachResult(first, history[-1], last, history, plant.state.q)
+    return ReachResult(first, history[-1], last, history, np.asarray(true_motion(plant).q))

@@ -1,15 +1,15 @@
 """A batch of simulated robots of which each has faults of its own."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from plant.faults import Fault
-from plant.motion import State, stopping_speed
-from plant.plant import Commands
+from plant.kinematic import KinematicPlant
+from plant.motion import stopping_speed
+from plant.plant import Commands, Setup
 from plant.robot import Array, Robot
-from plant.simulator import Simulator
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,41 +47,30 @@ class BatchFaults:
         )
 
 
-class BatchSimulator(Simulator):
-    """The simulator with faults that differ from robot to robot, so that maps take minutes.
+class BatchPlant(KinematicPlant):
+    """The kinematic plant with faults that differ from robot to robot, so that maps take minutes.
 
     The same motion as with the plant's own faults, robot by robot: a test holds it to that.
     """
 
-    def __init__(
-        self,
-        robot: Robot,
-        q: Array,
-        base: Array | None = None,
-        *,
-        each: BatchFaults,
-        period: float,
-        faults: Iterable[Fault] = (),
-        rng: np.random.Generator | None = None,
-    ) -> None:
-        """As for one `Simulator`; `each` are the faults of each robot of the batch."""
-        batch = each.since.shape
-        q = np.broadcast_to(q, (*batch, robot.n))
-        super().__init__(robot, q, base, period=period, faults=faults, rng=rng)
+    def __init__(self, setup: Setup, each: BatchFaults, faults: Iterable[Fault] = ()) -> None:
+        """Begin with the faults `each` of the robots of the batch, and the `faults` of all."""
+        q = np.broadcast_to(setup.q, (*each.since.shape, setup.robot.n))
+        super().__init__(replace(setup, q=q), faults)
         self._each = each
-        self._endless = np.isinf(robot.upper)
+        self._endless = np.isinf(self.robot.upper)
 
-    def step(self, commands: Commands) -> State:
-        """Move for one period."""
-        state, each = self.state, self._each
-        begun = state.t >= each.since - self.period / 1000
+    def write(self, commands: Commands) -> None:
+        """Take the commands for the coming period, as the broken motors carry them out."""
+        (t, q, *_), each = self.truth(), self._each
+        begun = t >= each.since - self.period / 1000
         top = self.robot.max_speed
-        joints = np.broadcast_to(commands.joints, state.q.shape)
+        joints = np.broadcast_to(commands.joints, np.shape(q))
         weak = each.strength * np.clip(joints, -top, top)
         joints = np.where(begun[..., None] & (each.strength != 1.0), weak, joints)
         jams = begun[..., None] & ~np.isnan(each.locked)
         if jams.any():
-            way = np.where(jams, each.locked - state.q, 0.0)
+            way = np.where(jams, each.locked - q, 0.0)
             around = np.remainder(way + np.pi, 2.0 * np.pi) - np.pi
             way = np.where(self._endless, around, way)
             size = stopping_speed(np.abs(way), self.robot.max_acceleration, self.period)
@@ -93,4 +82,4 @@ class BatchSimulator(Simulator):
             slow = begun & (each.platform != 1.0)
             slowed = each.platform[..., None] * np.clip(base, -most, most)
             base = np.where(slow[..., None], slowed, base)
-        return super().step(Commands(joints, base))
+        super().write(Commands(joints, base))

@@ -5,10 +5,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from agents.agent import Agent, Array, Goal, Joints, Percepts
+from agents.agent import Agent, Array, Goal, Percepts
 from plant.faults import Fault
-from plant.plant import Commands
-from plant.simulator import Simulator
+from plant.plant import Commands, Plant, Truth
 
 
 class Trace(NamedTuple):
@@ -45,7 +44,7 @@ class Event(NamedTuple):
 
 
 def run(
-    plant: Simulator,
+    plant: Plant,
     agents: Mapping[str, Agent],
     piece: Callable[[float], Goal],
     duration: float,
@@ -62,36 +61,29 @@ def run(
     coming = sorted(events, key=lambda event: event.at)
     ticks: list[tuple[Array, ...]] = []
     for tick in range(round(duration / plant.period) + 1):
-        state = plant.state
-        while coming and coming[0].at <= state.t + plant.period / 1000:
+        truth = true_motion(plant)
+        while coming and coming[0].at <= truth.t + plant.period / 1000:
             what = coming.pop(0).what
             if isinstance(what, Fault):
                 plant.inject(what)
             else:
                 living.pop(what)
-        goal = piece(state.t)
+        goal = piece(truth.t)
+        t, q, qd, base, base_velocity, hand, _ = map(np.asarray, truth)
         if tick % every == 0:
-            place = np.broadcast_to(goal.at(state.t), plant.hand().position.shape)
-            hand = plant.hand().position
-            ticks.append(
-                (np.array(state.t), hand, place, state.q, state.qd, state.base, state.base_velocity)
-            )
-        plant.step(decide_all(living, percepts_of(plant, goal), state.q.shape))
+            place = np.broadcast_to(goal.at(truth.t), hand.shape)
+            ticks.append((t, hand, place, q, qd, base, base_velocity))
+        plant.write(decide_all(living, Percepts.of(plant.read(), goal), q.shape))
+        plant.step()
     return Trace(*(np.stack(column) for column in zip(*ticks, strict=True)))
 
 
-def percepts_of(plant: Simulator, goal: Goal) -> Percepts:
-    """Return what every agent sees of the plant at this tick."""
-    state = plant.state
-    sighting = plant.localiser()
-    encoders = plant.encoders()
-    return Percepts(
-        t=state.t,
-        hand=None if sighting is None else sighting.position,
-        joints=Joints(encoders.q, encoders.qd),
-        base=None if plant.robot.drive is None else state.base,
-        goal=goal,
-    )
+def true_motion(plant: Plant) -> Truth:
+    """Return the truth about a plant; raise `ValueError` if there is nothing but its sensors."""
+    truth = plant.truth()
+    if truth is None:
+        raise ValueError(f"a study judges by the truth, which a {type(plant).__name__} cannot give")
+    return truth
 
 
 def decide_all(agents: Mapping[str, Agent], percepts: Percepts, shape: tuple[int, ...]) -> Commands:

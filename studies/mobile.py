@@ -10,10 +10,11 @@ from agents.paths import Line
 from agents.platform import PlatformAgent
 from agents.sight import Perception
 from plant.faults import Fault
+from plant.kinematic import KinematicPlant
 from plant.manus import START, model_from_manus, position_from_paper
-from plant.simulator import Simulator
+from plant.plant import Setup
 from plant.urdf import load
-from studies.batch_faults import BatchFaults, BatchSimulator
+from studies.batch_faults import BatchFaults, BatchPlant
 
 ARPH = load("arph")
 """The Manus arm on its two-wheeled platform."""
@@ -75,12 +76,10 @@ def plant(
     faults: Iterable[Fault] = (),
     each: BatchFaults | None = None,
     seed: int = 0,
-) -> Simulator:
+) -> KinematicPlant:
     """The simulated robot, or a batch of them when `q` (..., 6) or `base` (..., 3) are many.
 
     `faults` begin at once, for all; `each` are those that differ from robot to robot.
     """
-    rng = np.random.default_rng([seed, 1000])
-    if each is None:
-        return Simulator(ARPH, q, base, period=period, faults=faults, rng=rng)
-    return BatchSimulator(ARPH, q, base, each=each, period=period, faults=faults, rng=rng)
+    setup = Setup(ARPH, q, base, period=period, seed=[seed, 1000])
+    return KinematicPlant(setup, faults) if each is None else BatchPlant(setup, each, faults)

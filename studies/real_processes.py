@@ -10,7 +10,8 @@ import numpy as np
 from agents.agent import Agent, Array, Body, Goal
 from agents.joint import JointAgent
 from plant.faults import Fault
-from plant.simulator import Simulator
+from plant.kinematic import KinematicPlant
+from plant.plant import Setup
 from plant.urdf import load
 from studies.launching import ROOT, launched
 from studies.lockstep import Event, run
@@ -141,7 +142,11 @@ def in_lockstep(
     ]  # fmt: skip
     piece = Goal(np.array([*goal, 0.0]), np.zeros(3), 0.0, 0.0)
     trace = run(
-        Simulator(robot, START, period=PERIOD), agents, lambda _: piece, DURATION, events=events
+        KinematicPlant(Setup(robot, START, period=PERIOD)),
+        agents,
+        lambda _: piece,
+        DURATION,
+        events=events,
     )
     error = trace.error
     outside = np.nonzero(error > TOLERANCE)[0]

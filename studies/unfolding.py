@@ -7,7 +7,8 @@ import numpy as np
 
 from agents.agent import Agent, Array, Body, Goal
 from agents.joint import JointAgent
-from plant.simulator import Simulator
+from plant.kinematic import KinematicPlant
+from plant.plant import Setup
 from plant.urdf import load
 from studies.arm_batch import PERIOD
 from studies.baselines import md
@@ -195,7 +196,9 @@ def both(q: Array, goal: Array) -> list[tuple[Motion, Motion]]:
     }
     position = flat(goal)
     piece = Goal(position, np.zeros_like(position), 0.0, 0.0)
-    trace = run(Simulator(robot, q, period=PERIOD), agents, lambda _: piece, STEPS * PERIOD)
+    trace = run(
+        KinematicPlant(Setup(robot, q, period=PERIOD)), agents, lambda _: piece, STEPS * PERIOD
+    )
     theirs = md.follow(q, goal, length=LINK, step=STEP, steps=STEPS)
     return [(motion(trace.q[:, i], goal[i]), motion(theirs[:, i], goal[i])) for i in range(len(q))]
 

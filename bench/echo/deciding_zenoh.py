@@ -68,8 +68,9 @@ def _plant_of(run: ArmRun) -> Thought:
     def simulate() -> None:
         for kind, data in answers:
             unpack(kind, data)
-        run.plant.step(run.commands)
-        run.plant.readings()
+        run.plant.write(run.commands)
+        run.plant.step()
+        run.plant.read()
 
     assert len(answers) == len(AGENTS)
     return Thought(write, simulate)

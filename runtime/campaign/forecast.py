@@ -15,11 +15,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from agents.agent import Agent, Array, Joints, Percepts
+from agents.agent import Agent, Array, Percepts
 from agents.paths import Path
 from plant.faults import Fault
-from plant.plant import Commands
-from plant.simulator import Simulator
+from plant.kinematic import KinematicPlant
+from plant.plant import Commands, Setup
 from runtime.chaos.schedule import Due, Schedule
 from runtime.config.chaos import ChaosEvent
 from runtime.config.deployment import Deployment
@@ -56,41 +56,37 @@ def forecast(deployment: Deployment, path: Path, duration: float) -> Forecast:
     deployment = replace(deployment, period=max(deployment.period, _COARSEST))
     processes = _AgentTeam(deployment)
     start, robot = deployment.start, deployment.description.robot
-    plant = Simulator(
-        robot, np.array(start.joints), np.array(start.base), period=deployment.period
-    )  # fmt: skip
+    plant = KinematicPlant(Setup(robot, start.joints, start.base, period=deployment.period))
     schedule = Schedule(_late(deployment.chaos, _STARTING * deployment.speed))
     goal = path.piece(0.0)
     moved = np.zeros(robot.n)
+    faults: dict[str, str] = {}  # by target, the kind
+    truth = plant.truth()
     for _ in range(round(duration / deployment.period)):
-        for due in schedule.due(plant.state.t):
+        for due in schedule.due(truth.t):
             processes.hit(due)
             if due.event.fault is not None:
-                plant.inject(Fault.parse(due.event.fault, robot))
+                fault = Fault.parse(due.event.fault, robot)
+                plant.inject(fault)
+                faults[fault.target] = fault.kind
         if processes.is_there(GOAL_SOURCE):
-            goal = path.piece(plant.state.t)
-        sighting, encoders = plant.localiser(), plant.encoders()
-        percepts = Percepts(
-            plant.state.t,
-            hand=None if sighting is None else sighting.position,
-            joints=Joints(encoders.q, encoders.qd),
-            base=plant.state.base if robot.drive else None,
-            goal=goal,
-        )
-        plant.step(processes.decide(percepts, robot.n))
-        moved = np.maximum(moved, np.abs(plant.state.q - start.joints))
+            goal = path.piece(truth.t)
+        plant.write(processes.decide(Percepts.of(plant.read(), goal), robot.n))
+        plant.step()
+        truth = plant.truth()
+        moved = np.maximum(moved, np.abs(np.subtract(truth.q, start.joints)))
     told, meant = goal.at(duration), path.piece(duration).at(duration)
-    locked = {fault.target for fault in plant.faults if fault.kind in ("locked", "limp")}
+    locked = {target for target, kind in faults.items() if kind in ("locked", "limp")}
     drives = processes.is_there(PLATFORM_AGENT) and PLATFORM_AGENT not in locked
     roams = robot.drive is not None and drives
     return Forecast(
-        error=_distance(plant.hand().position, meant),
+        error=_distance(np.asarray(truth.position), meant),
         misled=_distance(told, meant),
         nearest=nearest(
             robot,
             told,
-            plant.state.base,
-            plant.state.q,
+            np.asarray(truth.base),
+            np.asarray(truth.q),
             stuck=[
                 i for i in range(robot.n) if moved[i] < _STILL or _is_stuck(i, processes, locked)
             ],

@@ -9,14 +9,15 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, ClassVar, Self
 
-import agents
 from agents.agent import Agent
 from agents.paths import Path
+from plant.plant import Plant
 from runtime.config.kinds import Pattern, Scope, Text
 from runtime.config.reading import Field, parameters_of
 from runtime.config.tree import ConfigError, Node
 from runtime.errors import nearest, valid_are
 from runtime.processes.node import Node as ProcessNode
+from runtime.wire.topics import GOAL_SOURCE, PLANT
 
 
 @dataclass(frozen=True)
@@ -36,6 +37,7 @@ class ClassName:
 
     base: ClassVar[type[Any]]
     such_as: ClassVar[str]
+    role: ClassVar[str] = ""  # whose process needs the class; empty for the role beside it
 
     @classmethod
     def from_node(cls, node: Node, scope: Scope) -> Self:
@@ -43,7 +45,7 @@ class ClassName:
         pattern = Pattern(r"\w+(\.\w+)*:\w+", "a class", cls.such_as)
         name = Text(pattern).read(node, scope)
         load = partial(cls._load, name, node, str(scope["modules"]))
-        if scope["only_role"] not in (None, scope.get("role", "goal")):
+        if scope["only_role"] not in (None, scope.get("role", cls.role)):
             return cls(name, load)
         try:
             return cls(name, load, parameters_of(load()))
@@ -64,8 +66,9 @@ class ClassName:
             if missing is None or not f"{place}.".startswith(f"{missing}."):
                 what = f"{type(error).__name__}: {error}"
                 raise node.error(f"module {place} cannot be imported: {what}") from error
+            ours = importlib.import_module(cls.base.__module__.partition(".")[0])
             hint = nearest(
-                place, [m.name for m in pkgutil.iter_modules(agents.__path__, "agents.")]
+                place, [m.name for m in pkgutil.iter_modules(ours.__path__, f"{ours.__name__}.")]
             )
             what = f"there is no module {place!r}, neither installed nor in {folder}"
             raise node.error(what + hint) from None
@@ -111,6 +114,15 @@ class PathClass(ClassName):
 
     base = Path
     such_as = "agents.paths:Line"
+    role = GOAL_SOURCE
+
+
+class PlantClass(ClassName):
+    """A class of plants."""
+
+    base = Plant
+    such_as = "plant.kinematic:KinematicPlant"
+    role = PLANT
 
 
 class NodeClass(ClassName):

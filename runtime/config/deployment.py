@@ -9,6 +9,7 @@ from typing import Annotated, NamedTuple
 import yaml
 
 from agents.agent import Agent
+from plant.plant import Plant
 from runtime.config.chaos import LAUNCHER, WATCHER, ChaosEvent
 from runtime.config.hosts import HostName, HostSpec, Router, here_alone
 from runtime.config.kinds import Output, Pattern, Range, Scope
@@ -57,7 +58,7 @@ class Deployment:
         routers: Address and port of Zenoh routers of your own, by which all talk instead of with
             each other; one is enough, and if one fails they take another.
         start: Where the robot stands at first.
-        plant: How the simulated robot behaves.
+        plant: What moves as commanded: by default a simulated robot.
         goal: The path that the goal takes; without one, an operator moves it.
         agents: The agents, each with a process of its own.
         nodes: Other processes, such as a camera or a page, without which the robot runs too.
@@ -166,6 +167,11 @@ class Deployment:
         if role not in agents:
             raise ConfigError(f"there is no agent {role!r}{valid_are(role, agents)}")
         return agents[role]
+
+    def build_plant(self) -> Plant:
+        """Make the plant, not connected to anything yet."""
+        seed = (self.seed, self.slot("plant"))
+        return self.plant.build(self.description.robot, self.start, self.period, seed)
 
     def build_agent(self, role: str) -> Agent:
         """Make the agent in that role; the seed and its slot decide what is random in it."""

@@ -12,12 +12,13 @@ import numpy as np
 from agents.agent import Agent, Body
 from agents.paths import Path as GoalPath
 from plant import urdf
+from plant.plant import Plant, Setup
 from plant.robot import Robot
-from runtime.config.classes import AgentClass, NodeClass, PathClass, blame
+from runtime.config.classes import AgentClass, NodeClass, PathClass, PlantClass, blame
 from runtime.config.hosts import Home, Homes, check_homes
 from runtime.config.kinds import Pattern, Range, Scope, Text
 from runtime.config.reading import Derived, Rest
-from runtime.config.tree import Node
+from runtime.config.tree import Location, Node
 from runtime.errors import valid_are
 from runtime.processes.node import Node as ProcessNode
 from runtime.wire.security import OPERATOR
@@ -56,6 +57,11 @@ class Description:
 
 def _rest(scope: Scope) -> Any:
     return scope["class_"].parameters
+
+
+def _kinematic(scope: Scope) -> PlantClass:
+    place = Location("the default plant", scope["folder"])
+    return PlantClass.from_node(Node(place, PlantClass.such_as), scope)
 
 
 def _home(scope: Scope) -> tuple[float, ...]:
@@ -103,26 +109,41 @@ class Start:
 
 @dataclass(frozen=True, kw_only=True)
 class PlantSpec:
-    """How the simulated robot behaves.
+    """What moves as commanded.
 
     Attributes:
+        class_: A class of plants, `module:Class`, by default a simulated robot without masses; its
+            parameters are given beside it.
         hold: A command older than this [s] counts no more: the joint is brought to rest.
             By default 4 periods.
         host: Where it runs, by default on the first host.
+        parameters: Those parameters in SI, with the defaults; as written if the class was not
+            loaded, being another role's.
     """
 
+    class_: Annotated[PlantClass, Derived(_kinematic)]
     hold: Annotated[
         float, "s", Range(such_as="240 ms", above=0), Derived(lambda scope: 4 * scope["period"])
     ]
     host: Home
+    parameters: Annotated[Mapping[str, Any], Rest(_rest)]
+
+    def build(self, robot: Robot, start: Start, period: float, seed: Sequence[int]) -> Plant:
+        """Make the plant, not connected to anything yet, with a control period [s]."""
+        setup = Setup(robot, start.joints, start.platform, period=period, seed=seed)
+        plant: Plant = self.class_.make(setup, **self.parameters)
+        return plant
 
     def check(self, node: Node, scope: Scope) -> None:
-        """Refuse an unknown host, and a hold that ends before the next command can come."""
+        """Refuse an unknown host, a hold that is too short, and what the class refuses."""
         check_homes((self.host,), node, scope)
         period = scope["period"]
         if self.hold < period:
             hold = node.find("hold")
             raise hold.error(f"{hold.text} is shorter than the period, {period:g} s")
+        if self.class_.is_loaded:
+            robot: Robot = scope["description"].robot
+            blame(node, lambda: self.build(robot, scope["start"], period, [0]))
 
 
 @dataclass(frozen=True, kw_only=True)

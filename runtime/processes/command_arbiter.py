@@ -1,4 +1,4 @@
-"""What the plant is told: from what arrives on the bus to the commands in force."""
+"""Which commands are in force: from what arrives on the network to speeds for the plant."""
 
 import math
 from collections.abc import Callable
@@ -22,24 +22,22 @@ Command = JointCommand | PlatformCommand
 class _Motor(NamedTuple):
     """What one agent commands: a joint or the platform.
 
-    limits: the largest speeds that it obeys: rad/s, or m/s and rad/s
-    still: speeds of nothing
+    Attributes:
+        role: The agent's role.
+        input: The arbitrated commands for it.
+        limits: Its largest speeds: rad/s, or m/s and rad/s.
     """
 
     role: str
-    ear: TopicInput[JointCommand] | TopicInput[PlatformCommand]
+    input: TopicInput[JointCommand] | TopicInput[PlatformCommand]
     limits: tuple[float, ...]
-    still: tuple[float, ...]
 
 
 class CommandArbiter:
-    """Judges what each agent says (rule 4), and holds it for the hold time (rule 5).
+    """Takes the commands of all agents, and holds each for the hold time (rules 4 and 5).
 
-    All times are plant times [s], so that nothing grows old while the plant is stopped.
-
-    hold: how long a command is good for
-    fresh: how long a voice counts as speaking after it was heard
-    say: called with a role and the incarnation that is obeyed in it from now on
+    What it hands on is within the robot's limits, so that no plant needs to check it. All times
+    are plant times [s], so that nothing grows old while the plant is stopped.
     """
 
     def __init__(
@@ -49,62 +47,73 @@ class CommandArbiter:
         hold: float,
         fresh: float,
         refusals: Refusals,
-        say: Callable[[str, int], None] = lambda role, by: None,
+        on_change: Callable[[str, int], None] = lambda role, by: None,
     ) -> None:
-        self._say = say
-        self._obeyed: dict[str, int] = {}
+        """Begin without commands.
+
+        Args:
+            robot: What is commanded.
+            hold: How long a command is in force [s].
+            fresh: How long after a message its source counts as active [s].
+            refusals: Counts what is refused or clamped.
+            on_change: Called with a role and the incarnation whose commands are used from now on.
+        """
+        self._on_change = on_change
+        self._in_use: dict[str, int] = {}  # by role, the incarnation
         self._hold = hold + 1e-9  # so that rounding does not drop one of exactly that age
         self._n = robot.n
         self._refusals = refusals
-        self._motors: dict[str, _Motor] = {}
+        self._motors: dict[str, _Motor] = {}  # by key
         for number, joint in enumerate(robot.joints, 1):
             key = topics.joint_command(number)
-            ear = TopicInput(key, JointCommand, fresh, refusals)
-            role, limit = topics.joint_role(number), joint.max_speed * _ROUNDING
-            self._motors[key] = _Motor(role, ear, (limit,), (0.0,))
+            commands = TopicInput(key, JointCommand, fresh, refusals)
+            self._motors[key] = _Motor(topics.joint_role(number), commands, (joint.max_speed,))
         if robot.drive is not None:
             key = topics.PLATFORM_COMMAND
-            limits = (robot.drive.max_linear * _ROUNDING, robot.drive.max_angular * _ROUNDING)
-            ears = TopicInput(key, PlatformCommand, fresh, refusals)
-            self._motors[key] = _Motor(topics.PLATFORM_AGENT, ears, limits, (0.0, 0.0))
+            limits = (robot.drive.max_linear, robot.drive.max_angular)
+            both = TopicInput(key, PlatformCommand, fresh, refusals)
+            self._motors[key] = _Motor(topics.PLATFORM_AGENT, both, limits)
 
     def take(self, arrival: Sample, t: float) -> tuple[str, float] | None:
         """Take what arrived at plant time `t` [s].
 
-        Return which role answers the state of which plant time [s]; None if it was refused.
+        Returns:
+            Which role answers the state of which plant time [s]; None if the message was refused.
         """
         motor = self._motors.get(arrival.key)
         if motor is None:
             self._refusals.count_unknown(arrival.key)
             return None
-        command = motor.ear.take(arrival.data, t)
+        command = motor.input.take(arrival.data, t)
         if command is None:
             return None
         for speed, limit in zip(_speeds(command), motor.limits, strict=True):
-            if abs(speed) > limit:  # the robot moves no faster than it can
-                detail = f"{speed:g}, at most {limit:g}"
+            if abs(speed) > limit * _ROUNDING:
+                detail = f"{speed:g}, clamped to {limit:g}"
                 self._refusals.count(arrival.key, Reason.OVER_LIMIT, detail)
         return motor.role, command.t
 
     def commands_at(self, t: float) -> tuple[Commands, list[float | None]]:
-        """Return what the motors are told at plant time `t` [s], and the age of each command [s].
+        """Return the commands in force at plant time `t` [s], and the age of each [s].
 
-        The ages are in the order of the joints, the platform's last; None where it is too old: then
-        the motor is told to stand still (and brakes within its limits) until the next.
+        The ages are in the order of the joints, the platform's last. Without a command, or with
+        one that is too old, the age is None and the motor is to stand still until the next: the
+        plant brakes it within its limits.
         """
         speeds: list[float] = []
         ages: list[float | None] = []
         for motor in self._motors.values():
-            voice = motor.ear.obeyed(t)
-            age = math.inf if voice is None else t - voice.arrived
-            if voice is not None and voice.message.by != self._obeyed.get(motor.role):
-                self._obeyed[motor.role] = voice.message.by
-                self._say(motor.role, voice.message.by)
-            if voice is None or age > self._hold:
-                speeds.extend(motor.still)
+            source = motor.input.obeyed(t)
+            age = math.inf if source is None else t - source.arrived
+            if source is not None and source.message.by != self._in_use.get(motor.role):
+                self._in_use[motor.role] = source.message.by
+                self._on_change(motor.role, source.message.by)
+            if source is None or age > self._hold:
+                speeds.extend(0.0 for _ in motor.limits)
                 ages.append(None)
             else:
-                speeds.extend(_speeds(voice.message))
+                for speed, limit in zip(_speeds(source.message), motor.limits, strict=True):
+                    speeds.append(min(max(speed, -limit), limit))
                 ages.append(age)
         joints, base = tuple(speeds[: self._n]), tuple(speeds[self._n :])
         return Commands(joints, base) if base else Commands(joints), ages

@@ -8,7 +8,8 @@ from agents.joint import HoldAgent, JointAgent
 from agents.paths import Line
 from agents.platform import PlatformAgent
 from plant.faults import Fault
-from plant.simulator import Simulator
+from plant.kinematic import KinematicPlant
+from plant.plant import Setup
 from plant.urdf import load
 from studies.lockstep import Event, Trace, run
 from tests.agents.conftest import START
@@ -30,7 +31,7 @@ def mobile_agents(arph, period: float, **parameters) -> dict[str, Agent]:
 
 
 def follow(arph, *, period=0.06, events=(), **parameters) -> Trace:
-    plant = Simulator(arph, START, np.array([-0.15, 0.0, 0.0]), period=period)
+    plant = KinematicPlant(Setup(arph, START, np.array([-0.15, 0.0, 0.0]), period=period))
     agents = mobile_agents(arph, period, **parameters)
     return run(plant, agents, TABLE_1.piece, 24.0, events=events)
 
@@ -103,8 +104,8 @@ def test_a_planar_arm_reaches_random_goals_with_two_joints_locked(planar, percep
     start = rng.uniform(-1.5, 1.5, (count, 5))
     there = start.copy()
     there[:, [0, 2, 4]] = rng.uniform(-1.5, 1.5, (count, 3))  # joints 2 and 4 are locked
-    goals = Simulator(planar, there, period=period).hand().position
-    plant = Simulator(planar, start, period=period, rng=rng)
+    goals = KinematicPlant(Setup(planar, there, period=period)).truth().position
+    plant = KinematicPlant(Setup(planar, start, period=period))
     for joint in (2, 4):
         plant.inject(Fault.parse(f"joint/{joint}:locked", planar))
     agents = {

@@ -34,7 +34,7 @@ def test_each_robot_of_a_batch_moves_as_the_plant_with_that_fault(period: float)
         np.testing.assert_allclose(many.base[:, row], one.base, atol=1e-9)
 
 
-def test_a_batch_without_faults_is_the_plain_simulator() -> None:
+def test_a_batch_without_faults_is_the_plain_plant() -> None:
     each = BatchFaults.none(ARPH, 2)
     many = run(plant(np.stack([POSTURE, POSTURE]), each=each), msma(), task().piece, 2.0)
     one = run(plant(), msma(), task().piece, 2.0)

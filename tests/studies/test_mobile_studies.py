@@ -12,7 +12,7 @@ from studies.study import Findings, Progress
 
 
 def test_the_arm_starts_with_its_hand_where_table_1_says() -> None:
-    np.testing.assert_allclose(plant().hand().position, HAND, atol=0.001)
+    np.testing.assert_allclose(plant().truth().position, HAND, atol=0.001)
 
 
 def test_msma_follows_the_papers_path_and_never_goes_backwards() -> None:

@@ -83,9 +83,7 @@ def test_aliases_and_merge_keys_are_written_out() -> None:
         ("[" * 200_000, "x.yaml:1:22: is nested deeper than 20 levels"),
     ],
 )
-def test_bad_yaml_is_refused_with_its_location(
-    text: str, says: str
-) -> None:
+def test_bad_yaml_is_refused_with_its_location(text: str, says: str) -> None:
     assert refused(text) == says
 
 

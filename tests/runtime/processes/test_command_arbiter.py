@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from plant import urdf
-from plant.simulator import Simulator
+from plant.kinematic import KinematicPlant
+from plant.plant import Setup
 from runtime.processes.command_arbiter import CommandArbiter
 from runtime.wire import topics
 from runtime.wire.messages import JointCommand, PlatformCommand, pack
@@ -90,20 +91,22 @@ def test_only_the_latest_command_counts_and_what_was_given_does_not_change(plant
 
 def test_a_motor_that_is_told_nothing_more_brakes_to_rest_within_its_limits(plant: Plant) -> None:
     start = np.radians([0.0, 60.0, -115.0, 0.0, 0.0, 0.0])
-    simulator = Simulator(urdf.load("arph"), start, period=0.01)
+    robot = KinematicPlant(Setup(urdf.load("arph"), start, period=0.01))
     speeds, last_told = [], 99
     for k in range(200):
-        t = simulator.state.t
+        t = robot.truth().t
         if k <= last_told:
             plant.hears(1, 0.8, at=t)
             plant.platform_hears(0.3, 0.0, at=t)
-        speeds.append(simulator.step(plant.orders.commands_at(t)[0]).qd[0])
+        robot.write(plant.orders.commands_at(t)[0])
+        robot.step()
+        speeds.append(robot.truth().qd[0])
     held, acceleration = round(HOLD / 0.01), 4.0
     assert speeds[last_told + held] == pytest.approx(0.8)
     assert speeds[last_told + held + 1] < 0.8
     assert np.diff(speeds).min() >= -acceleration * 0.01 - 1e-12
     assert speeds[-1] == 0.0
-    assert simulator.state.base_velocity[0] == 0.0
+    assert robot.truth().base_velocity[0] == 0.0
 
 
 def test_ages_are_told_while_commands_hold(plant: Plant) -> None:

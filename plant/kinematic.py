@@ -1,0 +1,166 @@
+"""A robot simulated without masses: it moves as commanded, within its limits and faults."""
+
+import math
+from collections.abc import Iterable
+
+import numpy as np
+
+from plant.effects import Effects, Sighting
+from plant.faults import Fault
+from plant.kinematics import ArmPose, kinematics_of
+from plant.motion import State, step
+from plant.plant import Commands, Plant, Readings, Setup, Truth
+from plant.robot import Array, Robot, RobotError, numbers
+
+
+class KinematicPlant(Plant):
+    """A simulated robot, or a batch of equal ones: leading dimensions of the start.
+
+    Every robot of a batch has the same faults, with random numbers of its own.
+    """
+
+    def __init__(self, setup: Setup, faults: Iterable[Fault] = ()) -> None:
+        """Begin at rest, at time 0.
+
+        Args:
+            setup: Robot, start, period and seed.
+            faults: They begin at once.
+
+        Raises:
+            RobotError: The robot cannot start so.
+            FaultError: The robot cannot have one of the faults.
+        """
+        super().__init__(setup)
+        self._state = _read_only(_start(setup))
+        self._commands = Commands(np.zeros(setup.robot.n))
+        self._kinematics = kinematics_of(setup.robot)
+        self._drives = setup.robot.drive is not None
+        self._at_origin = not self._drives and not self._state.base.any()  # for ever
+        self._arm: ArmPose | None = None
+        self._effects = Effects(setup.robot, setup.period, np.random.default_rng(setup.seed))
+        for fault in faults:
+            self.inject(fault)
+
+    @property
+    def faults(self) -> tuple[Fault, ...]:
+        """The faults that there are now."""
+        return self._effects.faults
+
+    def check_fault(self, fault: Fault) -> None:
+        """Raise `FaultError` for a fault that the robot has no part for."""
+        fault.check(self.robot)
+
+    def inject(self, fault: Fault) -> None:
+        """Let a fault begin now, or end with kind `ok`; raise `FaultError` like `check_fault`."""
+        self._effects.inject(fault, self._state, self._sighting)
+
+    def write(self, commands: Commands) -> None:
+        """Take finite speeds, (..., n) and (..., 2), or with fewer leading dimensions."""
+        self._commands = commands
+
+    def step(self) -> None:
+        """Move for one period."""
+        commands = self._effects.on_motors(self._commands, self._state, self.arm)
+        self._state = _read_only(step(self.robot, self._state, commands, self.period))
+        self._arm = None
+        self._effects.after_step(self._sighting)
+
+    def read(self) -> Readings:
+        """Return what encoders, localiser and odometry measure; noise is drawn at every call."""
+        state = self._state
+        if state.is_single and not self._effects.faults:
+            angles, speeds, pose, _ = state.numbers
+            odometry = pose if self._drives else None
+            return Readings(state.t, angles, speeds, *self.arm().tip_of_one, odometry)
+        q, qd = self._effects.on_encoders(state)
+        tip = self._effects.on_localiser(self._sighting)
+        position, rotation = (None, None) if tip is None else tip
+        base = state.base if self._drives else None
+        readings = Readings(state.t, q, qd, position, rotation, base)
+        return _of_single(readings) if state.is_single else readings
+
+    def truth(self) -> Truth:
+        """Return how the robot truly is."""
+        state = self._state
+        if state.is_single:
+            return Truth(state.t, *state.numbers, *self.arm().tip_of_one)
+        rows = state.q, state.qd, state.base, state.base_velocity
+        return Truth(state.t, *rows, *self._sighting())
+
+    def arm(self) -> ArmPose:
+        """Return where the whole arm truly is, in the world."""
+        if self._arm is None:
+            state = self._state
+            if state.is_single:
+                q, _, base, _ = state.numbers
+                self._arm = self._kinematics.forward_of_one(q, base)
+            else:
+                self._arm = self._kinematics.forward(
+                    state.q, None if self._at_origin else state.base
+                )
+        return self._arm
+
+    def _sighting(self) -> Sighting:
+        arm = self.arm()
+        return Sighting(arm.tip, arm.rotation)
+
+
+def _of_single(readings: Readings) -> Readings:
+    """Return the readings of one robot in plain numbers."""
+    t, q, qd, *others, _ = readings
+    position, rotation, base = (None if row is None else numbers(row) for row in others)
+    return Readings(t, numbers(q), numbers(qd), position, rotation, base)
+
+
+def _start(setup: Setup) -> State:
+    """Return the state at time 0, or raise `RobotError`."""
+    robot, period = setup.robot, setup.period
+    q = np.array(setup.q, dtype=np.float64)
+    base = np.zeros(3) if setup.base is None else np.asarray(setup.base, dtype=np.float64)
+    if q.ndim < 1 or q.shape[-1] != robot.n or base.ndim < 1 or base.shape[-1] != 3:
+        raise RobotError(
+            f"a start of shapes {q.shape} and {base.shape} does not fit robot '{robot.name}'; "
+            f"it wants (..., {robot.n}) joint angles and (..., 3) for the base"
+        )
+    if not 0.0 < period < math.inf:
+        raise RobotError(f"a period of {period} s; it must be positive and finite")
+    if not np.isfinite(base).all():
+        raise RobotError(f"a start of the base at {base}; it must be finite")
+    _check_ranges(robot, q)
+    batch = np.broadcast_shapes(q.shape[:-1], base.shape[:-1])
+    return State(
+        0.0,
+        _by_column(np.broadcast_to(q, (*batch, robot.n))),
+        _by_column(np.zeros((*batch, robot.n))),
+        _by_column(np.broadcast_to(base, (*batch, 3))),
+        _by_column(np.zeros((*batch, 2))),
+    )
+
+
+def _by_column(values: Array) -> Array:
+    """Return a copy (..., n) in which the numbers of one column, of all robots, lie side by side.
+
+    Each joint's agent, and each limit of a joint, is for one column.
+    """
+    return np.moveaxis(np.moveaxis(values, -1, 0).copy(), 0, -1)
+
+
+def _read_only(state: State) -> State:
+    """Return the same state; from now on nobody can write to its arrays."""
+    if not state.is_single:  # whose arrays, if any are asked for, are so from the beginning
+        for array in (state.q, state.qd, state.base, state.base_velocity):
+            array.setflags(write=False)
+    return state
+
+
+def _check_ranges(robot: Robot, q: Array) -> None:
+    """Raise `RobotError` for an angle that a joint cannot have."""
+    for number, joint in enumerate(robot.joints, 1):
+        angles = q[..., number - 1]
+        bad = angles[~(np.isfinite(angles) & (angles >= joint.lower) & (angles <= joint.upper))]
+        if bad.size:
+            first, low, high = np.degrees([bad[0], joint.lower, joint.upper])
+            raise RobotError(
+                f"joint {number} '{joint.name}' cannot start at {first:.6g} deg; "
+                f"its range is {low:.6g} to {high:.6g} deg"
+            )
