@@ -4,7 +4,7 @@ import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, NamedTuple
+from typing import Annotated, Literal, NamedTuple
 
 import yaml
 
@@ -25,6 +25,7 @@ from runtime.wire.security import Credentials
 from runtime.wire.topics import Contract, ContractError, Topic, file_name
 
 Name = Annotated[str, Pattern("[A-Za-z0-9][A-Za-z0-9_-]{0,63}", "a robot's name", "arph")]
+Scheduling = Literal["auto", "normal", "realtime"]
 Port = Annotated[int, Range(such_as="7600", least=1024, most=65536 - SLOTS)]
 
 
@@ -50,6 +51,8 @@ class Deployment:
         speed: How many times as fast as real time the plant runs.
         patience: A process that has heard no plant for so long [s] ends.
         port: The first of 128 ports that are the robot's; by default it follows from its name.
+        scheduling: The priority of the processes. With `realtime` they go before other programs,
+            and fail where the system does not grant that; with `auto` they do where it is granted.
         runs: The folder for what is recorded.
         modules: A folder with classes of the user's own; by default the one of this file.
         hosts: The machines that it runs on; without them all is on this one, and no other machine
@@ -75,6 +78,7 @@ class Deployment:
     speed: Annotated[float, Range(such_as="1", above=0)] = 1.0
     patience: Annotated[float, "s", Range(such_as="10 s", above=0)] = 10.0
     port: Annotated[Port, Derived(lambda scope: port_base(scope["robot"]))]
+    scheduling: Scheduling = "auto"
     runs: Annotated[Path, Output(), Derived(lambda _: Path.cwd() / "runs")]
     modules: Annotated[Path, Derived(lambda scope: scope["folder"])]
     hosts: Annotated[Mapping[HostName, HostSpec], Derived(here_alone)]

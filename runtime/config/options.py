@@ -41,6 +41,7 @@ _OPTIONS: tuple[tuple[str, str, Callable[[str, str], Override], str], ...] = (
     ("--speed", "FACTOR", _value, "plant time per real time, such as 4"),
     ("--duration", "TIME", _value, "end the run after this plant time, such as 10s"),
     ("--seed", "NUMBER", _value, "seed of everything random"),
+    ("--scheduling", "POLICY", _value, "priority of the processes: normal, realtime or auto"),
     ("--kill", "ROLE@TIME", _chaos, "kill a process, such as joint/2@8"),
     ("--hang", "ROLE@TIME:TIME", _chaos, "suspend a process for a while, such as joint/2@8:2s"),
     ("--stop", "ROLE@TIME", _chaos, "ask a process to stop"),

@@ -17,12 +17,13 @@ from typing import Self
 from plant.robot import Robot
 from runtime import VERSION
 from runtime.config.deployment import Deployment, ProcessSpec
+from runtime.config.tree import ConfigError
 from runtime.processes.joining import find_run, join
 from runtime.processes.lifetime import FAILED, BusClock, Lifetime, PlantClock, Shutdown
 from runtime.processes.log_writer import LogWriter, new_run_folder
 from runtime.processes.meters import Rate
 from runtime.processes.node import Context, Node
-from runtime.processes.scheduling import set_realtime
+from runtime.processes.scheduling import Overload, confine_realtime, set_normal, set_realtime
 from runtime.spawning.identity import start_line
 from runtime.wire import topics
 from runtime.wire.bus import BusError
@@ -60,6 +61,7 @@ class Process(Context):
         self.t = 0.0
         self.life: Lifetime | None = self._lifetime(PlantClock(time.monotonic()))
         self._rate = 0.0
+        self._scheduled = ""  # what `status` is to add
         self._n = 0
         self._strangers: ConnectionLog | None = None
         with ExitStack() as stack:
@@ -67,14 +69,24 @@ class Process(Context):
                 self._strangers = stack.enter_context(
                     ConnectionLog(self.refusals, self._note_joined)
                 )
-            set_realtime()  # before the bus, whose threads are scheduled as this one is
+            self._realtime = self._set_scheduling()  # the threads of the bus inherit it
             self.bus = stack.enter_context(
                 join(deployment, member, random.SystemRandom().getrandbits(63))
             )
+            confine_realtime()
             found = run or find_run(self.bus)
             self.run = (found or new_run_folder(deployment.runs, deployment.robot)).absolute()
             self.log = LogWriter(self.run, self.role)
             self._stack = stack.pop_all()
+
+    def _set_scheduling(self) -> bool:
+        """Return whether it has real-time priority; `ConfigError` if that is asked for in vain."""
+        if self.deployment.scheduling == "normal":
+            return False
+        granted = set_realtime()
+        if not granted and self.deployment.scheduling == "realtime":
+            raise ConfigError(f"scheduling: realtime is not granted to {self.role}; `msma doctor`")
+        return granted
 
     def _lifetime(self, clock: PlantClock) -> Lifetime:
         of = self.deployment
@@ -107,9 +119,9 @@ class Process(Context):
         gc.freeze()  # what there is by now stays: no need to look at it again for garbage
         self.ending.catch_signals()
         by = f"{self.bus.incarnation:x}"
-        self.log.write(
-            self.t, "start", **start_line(self.role, self.deployment.robot, self.run), by=by
-        )
+        scheduling = "realtime" if self._realtime else "normal"
+        started = start_line(self.role, self.deployment.robot, self.run)
+        self.log.write(self.t, "start", **started, by=by, scheduling=scheduling)
         self.log.flush()
         self.bus.answer(topics.stop(self.role), self._stop)
         self.bus.answer(topics.diag(self.role), lambda _: self._diag_bytes(node))
@@ -141,7 +153,10 @@ class Process(Context):
     def _look_after(self, node: Node) -> None:
         """Look four times a second whether to end; flush the log, and say how it is."""
         publisher = self.bus.publisher(topics.diag(self.role))
-        rate = Rate(time.monotonic())
+        rate, overload = Rate(time.monotonic()), Overload(time.monotonic())
+        if self._realtime:
+            set_realtime()
+            confine_realtime()
         looks = 0
         pause = random.uniform(0.0, _CHECK)  # or all that began together would do this at once
         while not self.ending.wait(pause):
@@ -157,11 +172,19 @@ class Process(Context):
             if self._strangers:
                 self._strangers.look()
             if looks % _REPORT == 0:
+                if self._realtime and overload.look(now):
+                    self._step_down()
                 self._rate = rate.look(node.work.count, now)
                 publisher.send(self.diag(node))
             if looks % _FLUSH == 0:
                 self.log.flush()
             looks += 1
+
+    def _step_down(self) -> None:
+        """Give up real-time priority, or other programs on this machine would starve."""
+        set_normal()
+        self._realtime, self._scheduled = False, ", with normal priority: it overran for long"
+        self.log.write(self.t, "scheduling", policy="normal", why="it used a core without a pause")
 
     def _note_crash(self, error: Exception) -> None:
         self.log.write(self.t, "crash", trace=traceback.format_exc())
@@ -174,7 +197,7 @@ class Process(Context):
             role=self.role,
             host=socket.gethostname(),
             pid=os.getpid(),
-            state=node.state,
+            state=node.state + self._scheduled,
             rate=self._rate,
             work=node.work.spread(),
             answers=node.answers(),

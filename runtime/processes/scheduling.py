@@ -1,20 +1,87 @@
-"""Who goes first where processors are short: a robot's processes, before what can wait."""
+"""Real-time priority: a robot's processes before other programs, without starving the machine."""
 
 import os
+import resource
+import time
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
 
-_LOWEST = 1  # of the priorities in real time: drivers and sound go before a robot's agents
+_LOWEST = 1  # of the real-time priorities: drivers and sound go before a robot's agents
+_RESET = getattr(os, "SCHED_RESET_ON_FORK", 0)
+_LONG = 3.0  # [s] of use without a pause after which a process gives its priority up
+_PAUSE = 0.1  # share of a core that a process with real-time priority leaves free
+_STUCK = 10.0  # [s] of computing in one thread after which the system ends the process
+_TASKS = Path("/proc/self/task")
 
 
 def set_realtime() -> bool:
-    """Have this thread, and those it starts, scheduled in real time; tell whether that is granted.
+    """Give real-time priority to this thread and to those it starts; return whether granted.
 
-    So no other program holds a command up. And of a robot's processes none interrupts another
-    (SCHED_RR): that costs what the processor has in its caches, and a tick wakes nine processes.
-    The system grants it to root and to whom it gives `rtprio`, and keeps a share of each processor
-    for the rest. Without it all goes on as any program does.
+    So no other program delays a command. The policy is SCHED_RR: processes of a robot do not
+    preempt each other, which would cost what the caches hold; a tick wakes nine of them. The system
+    grants it to root and to users with an `rtprio` limit.
     """
     try:
         os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(_LOWEST))
-    except (AttributeError, OSError):  # this system has no such thing, or does not grant it
+    except (AttributeError, OSError):  # no such thing on this system, or not granted
         return False
     return True
+
+
+def confine_realtime() -> None:
+    """Keep real-time priority to the threads that have it: what these start has normal priority.
+
+    A thread that computes for long without any pause, where not even Python's own threads run,
+    makes the system end the process by SIGXCPU.
+    """
+    for thread in _realtime_threads():
+        os.sched_setscheduler(thread, os.SCHED_RR | _RESET, os.sched_param(_LOWEST))
+    with suppress(AttributeError, OSError, ValueError):  # a lower limit is set already
+        hard = resource.getrlimit(resource.RLIMIT_RTTIME)[1]
+        resource.setrlimit(resource.RLIMIT_RTTIME, (int(_STUCK * 1e6), hard))
+
+
+def set_normal() -> None:
+    """Give all threads of this process normal priority."""
+    for thread in _realtime_threads():
+        os.sched_setscheduler(thread, os.SCHED_OTHER | _RESET, os.sched_param(0))
+
+
+def _realtime_threads() -> Iterator[int]:
+    for task in _TASKS.iterdir() if _TASKS.is_dir() else ():
+        with suppress(ProcessLookupError):
+            if os.sched_getscheduler(int(task.name)) & ~_RESET == os.SCHED_RR:
+                yield int(task.name)
+
+
+class Overload:
+    """Whether this process has used a core for seconds on end; to be asked about once a second.
+
+    Time that its threads wait for a core counts too, so it also shows where many do so at once.
+    """
+
+    def __init__(self, now: float) -> None:
+        self._used, self._looked = _core_time(), now
+        self._since = now
+
+    def look(self, now: float) -> bool:
+        """Return whether it has left no pause for some seconds until `now` [s]."""
+        used = _core_time()
+        if used - self._used < (1 - _PAUSE) * (now - self._looked):
+            self._since = now
+        self._used, self._looked = used, now
+        return now - self._since >= _LONG
+
+
+def _core_time() -> float:
+    """Return how long threads of this process have been on a core or waited for one [s]."""
+    total = 0
+    try:
+        for task in _TASKS.iterdir():
+            with suppress(FileNotFoundError, ProcessLookupError):  # it has just ended
+                running, waiting, _ = (task / "schedstat").read_text().split()
+                total += int(running) + int(waiting)
+    except OSError:
+        return time.process_time()
+    return total * 1e-9 or time.process_time()

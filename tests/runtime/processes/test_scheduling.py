@@ -9,8 +9,23 @@ import pytest
 
 from runtime.doctor.machine import check_machine
 from runtime.processes.scheduling import set_realtime
-from tests.runtime.conftest import ProcessGroup
+from runtime.results.logs import read_log
+from tests.runtime.conftest import ProcessGroup, wait_for
 
+REALTIME = os.SCHED_RR | os.SCHED_RESET_ON_FORK
+SPINS = "class: spinning:Spinning"
+SPINNING = """
+from agents.agent import Agent, Body, Percepts
+
+
+class Spinning(Agent):
+    def __init__(self, body: Body) -> None:
+        pass
+
+    def decide(self, percepts: Percepts) -> float:
+        while True:
+            pass
+"""
 ASKS = "print(set_realtime())"
 GIVES_UP_RIGHTS = """
 resource.setrlimit(resource.RLIMIT_RTPRIO, (0, 0))
@@ -26,17 +41,102 @@ def in_a_process(code: str) -> str:
     return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
 
 
-def test_all_threads_of_a_robots_processes_go_first_where_that_is_granted(
+granted = pytest.mark.skipif(
+    in_a_process(ASKS) != "True", reason="real-time priority takes root, or an rtprio limit"
+)
+
+
+def policies(pid: int) -> list[int]:
+    """Return the scheduling policy of each thread of a process, the main thread's first."""
+    threads = sorted(int(thread) for thread in os.listdir(f"/proc/{pid}/task"))
+    return [os.sched_getscheduler(thread) for thread in threads]
+
+
+@granted
+def test_a_robots_processes_have_real_time_priority_where_it_is_granted(
     processes: ProcessGroup,
 ) -> None:
     processes.start("plant", "goal", "joint/2")
     bus = processes.visit()
-    wanted = os.SCHED_RR if in_a_process(ASKS) == "True" else os.SCHED_OTHER
     for role in ("plant", "goal", "joint/2"):
         diag = processes.until(bus, role, lambda diag: diag.state == "runs", "it runs")
-        threads = [int(thread) for thread in os.listdir(f"/proc/{diag.pid}/task")]
-        assert len(threads) > 2
-        assert {os.sched_getscheduler(thread) for thread in threads} == {wanted}
+        found = policies(diag.pid)
+        assert found[0] == REALTIME
+        assert found.count(REALTIME) > 2  # with the threads of the bus, and the watchdog
+    (start,) = read_log(processes.run, "plant", "start")
+    assert start["scheduling"] == "realtime"
+
+
+def test_with_normal_scheduling_no_thread_has_real_time_priority(processes: ProcessGroup) -> None:
+    processes.options += ["--scheduling", "normal"]
+    processes.start("plant")
+    diag = processes.until(processes.visit(), "plant", lambda diag: True, "it answers")
+    assert set(policies(diag.pid)) == {os.SCHED_OTHER}
+
+
+def test_real_time_priority_that_is_asked_for_in_vain_is_an_error(processes: ProcessGroup) -> None:
+    if os.geteuid() == 0:
+        pytest.skip("root is always granted it")
+    if in_a_process(ASKS) == "True":
+        pytest.skip("this user has an rtprio limit")
+    processes.options += ["--scheduling", "realtime"]
+    processes.start("plant")
+    code, said = processes.result("plant")
+    assert code == 2
+    assert "scheduling: realtime is not granted to plant" in said
+
+
+def test_a_priority_of_another_name_is_refused(processes: ProcessGroup) -> None:
+    processes.options += ["--scheduling", "high"]
+    processes.start("plant")
+    code, said = processes.result("plant")
+    assert code == 2
+    assert "--scheduling high: scheduling: 'high'" in said
+
+
+@granted
+def test_what_a_process_with_real_time_priority_starts_has_normal_priority() -> None:
+    child = "import os; print(os.sched_getscheduler(0))"
+    code = f"""
+import subprocess, sys
+from runtime.processes.scheduling import confine_realtime
+set_realtime()
+confine_realtime()
+print(os.sched_getscheduler(0), flush=True)
+subprocess.run([sys.executable, "-c", {child!r}])
+"""
+    assert in_a_process(code).split() == [str(REALTIME), str(os.SCHED_OTHER)]
+
+
+@granted
+def test_an_agent_that_never_pauses_loses_its_real_time_priority(processes: ProcessGroup) -> None:
+    folder = processes.run.parent
+    (folder / "spinning.py").write_text(SPINNING)
+    file = folder / "spinning.yaml"
+    text = processes.file.read_text()
+    file.write_text(text.replace("joint/2, class: agents.joint:JointAgent", "joint/2, " + SPINS))
+    processes.file = file
+    processes.start("plant", "goal", "joint/1", "joint/2")
+    wait_for(lambda: read_log(processes.run, "joint/2", "scheduling"), "it to be logged", 30.0)
+    assert REALTIME not in policies(processes.all["joint/2"].pid)
+    assert REALTIME in policies(processes.all["joint/1"].pid)
+
+
+def test_who_waits_most_of_the_time_is_no_overload_and_who_computes_is() -> None:
+    code = """
+import threading, time
+from runtime.processes.scheduling import Overload
+overload = Overload(0.0)
+found = [overload.look(float(second)) for second in range(1, 6)]
+assert found == [False] * 5, found
+overload, began = Overload(time.monotonic()), time.monotonic()
+while not overload.look(time.monotonic()) and time.monotonic() - began < 30:
+    until = time.monotonic() + 0.5
+    while time.monotonic() < until:
+        pass
+print(time.monotonic() - began < 30)
+"""
+    assert in_a_process(code) == "True"
 
 
 def test_who_only_asks_whether_it_is_granted_goes_on_as_before() -> None:
