@@ -105,7 +105,7 @@ class AgentNode(Node):
         due = False
         with self._perceiving:
             for arrival in arrivals or self._lately():
-                due = self._senses.take(arrival, now) or due
+                due = self._senses.accept(arrival, now) or due
         if due:
             waited = len(arrivals) == 1 and not self._paused
             if not self._backlog.overtaken(self._senses.t, now, waited=waited):
@@ -149,7 +149,7 @@ class AgentNode(Node):
     def _percepts(self, now: float) -> Percepts | None:
         with self._perceiving:
             for arrival in self._lately():
-                self._senses.take(arrival, now)
+                self._senses.accept(arrival, now)
             return self._senses.percepts(now)
 
     def _lately(self) -> Iterator[Sample]:

@@ -66,12 +66,12 @@ class CommandArbiter:
         self._motors: dict[str, _Motor] = {}  # by key
         for number, joint in enumerate(robot.joints, 1):
             key = topics.joint_command(number)
-            commands = TopicInput(key, JointCommand, fresh, refusals)
+            commands = TopicInput(key, JointCommand, fresh, refusals, standbys=True)
             self._motors[key] = _Motor(topics.joint_role(number), commands, (joint.max_speed,))
         if robot.drive is not None:
             key = topics.PLATFORM_COMMAND
             limits = (robot.drive.max_linear, robot.drive.max_angular)
-            both = TopicInput(key, PlatformCommand, fresh, refusals)
+            both = TopicInput(key, PlatformCommand, fresh, refusals, standbys=True)
             self._motors[key] = _Motor(topics.PLATFORM_AGENT, both, limits)
 
     def take(self, arrival: Sample, t: float) -> tuple[str, float] | None:
@@ -84,7 +84,7 @@ class CommandArbiter:
         if motor is None:
             self._refusals.count_unknown(arrival.key)
             return None
-        command = motor.input.take(arrival.data, t)
+        command = motor.input.accept(arrival.data, t)
         if command is None:
             return None
         for speed, limit in zip(_speeds(command), motor.limits, strict=True):
@@ -103,7 +103,7 @@ class CommandArbiter:
         speeds: list[float] = []
         ages: list[float | None] = []
         for motor in self._motors.values():
-            source = motor.input.obeyed(t)
+            source = motor.input.selected(t)
             age = math.inf if source is None else t - source.arrived
             if source is not None and source.message.by != self._in_use.get(motor.role):
                 self._in_use[motor.role] = source.message.by

@@ -24,7 +24,7 @@ class GoalMemory:
 
     def __init__(self, bus: Bus, refusals: Refusals) -> None:
         self._ring = bus.ring(topics.GOAL, _AT_ONCE)
-        self._ear = TopicInput(topics.GOAL, GoalMessage, _FRESH, refusals)
+        self._input = TopicInput(topics.GOAL, GoalMessage, _FRESH, refusals)
         self._out = bus.publisher(topics.KNOWN_GOAL)
         self._next = -math.inf
 
@@ -34,7 +34,7 @@ class GoalMemory:
             return
         self._next = now + _PAUSE
         for arrival in self._ring.waiting(_AT_ONCE):
-            self._ear.take(arrival.data, now)
-        heard = self._ear.obeyed(now)
+            self._input.accept(arrival.data, now)
+        heard = self._input.selected(now)
         if heard is not None:
             self._out.send(heard.message)

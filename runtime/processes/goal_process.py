@@ -30,7 +30,7 @@ class GoalNode(Node):
         while True:
             arrival = self._ring.recv()
             now = time.monotonic()
-            states = self._plant.take(arrival.data, now)
+            states = self._plant.accept(arrival.data, now)
             if states is not None:
                 self._turn(now)
                 spent = time.monotonic() - now

@@ -102,7 +102,7 @@ class BusClock(PlantClock):
     def look(self, now: float) -> float:
         """Take the messages that have come until `now` [s], and return the time [s]."""
         for sample in self._ring.waiting(_WAITING):
-            message, chosen = self._states.take(sample.data, now), self._states.obeyed(now)
+            message, chosen = self._states.accept(sample.data, now), self._states.selected(now)
             if message is not None and chosen is not None and chosen.message is message:
                 self.seen(message.t, now)
         return self.t

@@ -62,24 +62,24 @@ class Perception:
         self._goal_known: tuple[tuple[object, ...], Goal] | None = None
         self.t = 0.0
 
-    def take(self, arrival: Sample, now: float) -> bool:
-        """Take what arrived `now` [s]; tell whether it calls for a decision.
+    def accept(self, arrival: Sample, now: float) -> bool:
+        """Accept what arrived `now` [s]; tell whether it calls for a decision.
 
         The joint states do, which the plant sends last of all it knows of one moment, and in
         their absence the hand's pose.
         """
         match arrival.key:
             case topics.JOINTS:
-                return self._calls(self._keep(self._joints.take(arrival.data, now), self._states))
+                return self._calls(self._keep(self._joints.accept(arrival.data, now), self._states))
             case topics.HAND:
-                seen = self._keep(self._hand.take(arrival.data, now), self._hands)
+                seen = self._keep(self._hand.accept(arrival.data, now), self._hands)
                 return self._joints.fresh(now) is None and self._calls(seen)
             case topics.PLATFORM:
-                self._keep(self._base.take(arrival.data, now), self._bases)
+                self._keep(self._base.accept(arrival.data, now), self._bases)
             case topics.GOAL | topics.KNOWN_GOAL:
-                self._goal.take(arrival.key, arrival.data, now)
+                self._goal.accept(arrival.key, arrival.data, now)
             case key if key in self._sensors:
-                self._sensors[key].take(arrival.data, now)
+                self._sensors[key].accept(arrival.data, now)
             case stranger:
                 self._refusals.count_unknown(stranger)
         return False
@@ -124,7 +124,7 @@ class Perception:
 
     def _goal_in_force(self, now: float) -> Goal | None:
         """A goal does not go stale: it stands still from its `until` on."""
-        message = self._goal.obeyed(now)
+        message = self._goal.selected(now)
         if message is None:
             return None
         piece = message.position, message.velocity, message.since, message.until

@@ -32,7 +32,7 @@ def run(args: argparse.Namespace) -> int:
             waiting.put_nowait((key, data))
 
     with visit(target_of(args)) as bus:
-        bus.listen(args.key, take)
+        bus.subscribe(args.key, take)
         count = 0
         while count < args.n or not args.n:
             print(decoded(*waiting.get()), flush=True)

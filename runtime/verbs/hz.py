@@ -22,7 +22,7 @@ def run(args: argparse.Namespace) -> int:
     """Listen and say; 1 if nothing came."""
     heard: dict[str, list[float]] = {}
     with visit(target_of(args)) as bus:
-        bus.listen(args.key, lambda key, _: heard.setdefault(key, []).append(time.monotonic()))
+        bus.subscribe(args.key, lambda key, _: heard.setdefault(key, []).append(time.monotonic()))
         time.sleep(args.seconds)
     if not heard:
         raise RunError(f"nothing came on {args.key} in {args.seconds:g} s")

@@ -55,7 +55,7 @@ class Watcher:
         self._hands = bus.ring(topics.HAND, _AT_ONCE)
         self._goals = [bus.ring(topic.key, _AT_ONCE) for topic in topics.STANDARD.percepts["goal"]]
         bus.watch_alive(self._on_token)
-        bus.listen(topics.EVERY_DIAG, self._on_diag)
+        bus.subscribe(topics.EVERY_DIAG, self._on_diag)
 
     def _on_token(self, key: str, there: bool) -> None:
         with self._lock:
@@ -88,11 +88,11 @@ class Watcher:
         """Return what is to be seen now."""
         now = time.monotonic()
         for arrival in self._hands.waiting(_AT_ONCE):
-            self._hand.take(arrival.data, now)
+            self._hand.accept(arrival.data, now)
         for goals in self._goals:
             for arrival in goals.waiting(_AT_ONCE):
-                self._goal.take(arrival.key, arrival.data, now)
-        t, pose, told = self.clock.look(now), self._hand.fresh(now), self._goal.obeyed(now)
+                self._goal.accept(arrival.key, arrival.data, now)
+        t, pose, told = self.clock.look(now), self._hand.fresh(now), self._goal.selected(now)
         goal = error = None
         if told is not None:
             goal = goal_at(told, t if pose is None else pose.t)

@@ -14,85 +14,98 @@ _NEVER = 1 << 63
 
 
 class Source(Generic[M]):
-    """One incarnation, to be looked at at once: it changes with what is heard of it.
+    """One incarnation that publishes on a topic; it changes with each message that arrives.
 
-    message: what it said last
-    arrived: when, on the receiver's own clock [s]
-    confirmed: whether it ever said two things in a row
+    Attributes:
+        message: The last one accepted.
+        arrived: When, on the receiver's own clock [s].
+        confirmed: Whether two of its messages in a row were accepted.
     """
 
-    __slots__ = ("arrived", "confirmed", "doubtful", "message")
+    __slots__ = ("arrived", "confirmed", "message", "refused")
 
     def __init__(self, message: M, arrived: float) -> None:
         self.message, self.arrived = message, arrived
         self.confirmed = False
-        self.doubtful = _NEVER  # the number last refused
+        self.refused = _NEVER  # the number of its last message, if that was refused
 
 
 class Arbiter(Generic[M]):
-    """Judges what arrives on one key.
+    """Selects one source among all that publish on a topic (rule 4 of the design).
 
-    While somebody known is fresh, a newcomer must say two things in a row before it is obeyed:
-    a corrupted `by` is no takeover. A counter that does not follow is refused, as what comes
-    late is; but one that goes on counting from there after a silence has started anew.
+    Selected is, of the fresh sources, the one that was first heard of last. While another one is
+    fresh, a new source is selected from its second message in a row on: a corrupted `by` is no
+    takeover. A message whose number does not count up is refused as late; a source that was silent
+    for longer than `fresh`, and then counts up from anywhere, has started anew.
 
-    fresh: how long a voice counts as speaking after it was heard [s]
+    Args:
+        fresh: For how long after its last message a source is fresh [s].
+        on_another: Called with the first message of a source that comes while another is fresh.
     """
 
-    def __init__(self, fresh: float) -> None:
+    def __init__(
+        self, fresh: float, on_another: Callable[[M], None] = lambda message: None
+    ) -> None:
         self.fresh = fresh
-        self._voices: dict[int, Source[M]] = {}  # in the order in which they were first heard
+        self._on_another = on_another
+        self._sources: dict[int, Source[M]] = {}  # in the order in which they came
 
-    def hear(self, message: M, now: float) -> Reason | None:
-        """Take a message that arrived `now` [s]; return why if it is not to be used."""
-        voice = self._voices.get(message.by)
-        if voice is None:
-            self._admit(message, now)
+    def accept(self, message: M, now: float) -> Reason | None:
+        """Accept a message that arrived `now` [s]; return the reason if it is refused."""
+        source = self._sources.get(message.by)
+        if source is None:
+            self._add(message, now)
             return None
-        if not 0 < message.n - voice.message.n <= LEAP:
-            silent = now - voice.arrived > self.fresh
-            if not (silent and 0 < message.n - voice.doubtful <= LEAP):
-                voice.doubtful = message.n
+        if not 0 < message.n - source.message.n <= LEAP:
+            silent = now - source.arrived > self.fresh
+            if not (silent and 0 < message.n - source.refused <= LEAP):
+                source.refused = message.n
                 return Reason.LATE
-        voice.doubtful = _NEVER
-        voice.message, voice.arrived = message, now
-        voice.confirmed = True
+        source.refused = _NEVER
+        source.message, source.arrived = message, now
+        source.confirmed = True
         return None
 
-    def _admit(self, message: M, now: float) -> None:
-        if len(self._voices) >= SOURCES_KEPT:
+    def _add(self, message: M, now: float) -> None:
+        if any(now - source.arrived <= self.fresh for source in self._sources.values()):
+            self._on_another(message)
+        if len(self._sources) >= SOURCES_KEPT:
             least = min(
-                self._voices, key=lambda by: (self._voices[by].confirmed, self._arrived(by))
+                self._sources, key=lambda by: (self._sources[by].confirmed, self._arrived(by))
             )
-            del self._voices[least]
-        self._voices[message.by] = Source(message, now)
+            del self._sources[least]
+        self._sources[message.by] = Source(message, now)
 
     def _arrived(self, by: int) -> float:
-        return self._voices[by].arrived
+        return self._sources[by].arrived
 
-    def obeyed(self, now: float) -> Source[M] | None:
-        """Return who counts `now` [s], or None if all was silence.
+    def selected(self, now: float) -> Source[M] | None:
+        """Return the source that counts `now` [s]; None if there never was one.
 
-        If nobody is fresh it is who was heard last: see how long ago that arrived.
+        If none is fresh it is the one whose message arrived last: see how long ago that was.
         """
-        if not self._voices:
+        if not self._sources:
             return None
-        newcomer: Source[M] | None = None
-        for voice in reversed(self._voices.values()):
-            if now - voice.arrived <= self.fresh:
-                if voice.confirmed:
-                    return voice
-                newcomer = newcomer or voice
-        if newcomer:
-            return newcomer
-        return self._voices[max(self._voices, key=self._arrived)]
+        unconfirmed: Source[M] | None = None
+        for source in reversed(self._sources.values()):
+            if now - source.arrived <= self.fresh:
+                if source.confirmed:
+                    return source
+                unconfirmed = unconfirmed or source
+        return unconfirmed or self._sources[max(self._sources, key=self._arrived)]
 
 
 class TopicInput(Generic[M]):
-    """Listens on one key for one kind of message.
+    """What arrives on one key: decoded, checked and arbitrated.
 
-    fresh: how long a message counts as fresh after its arrival [s]
-    check: raises MessageError if a sound message does not fit this robot
+    Args:
+        key: The key, by which refusals are counted.
+        kind: The message that belongs on it.
+        fresh: For how long after its arrival a message is fresh [s].
+        refusals: Where refusals are counted.
+        check: Raises `MessageError` if a sound message does not fit this robot.
+        standbys: Whether several sources are usual, as of a role with copies; without, a second
+            one is counted.
     """
 
     def __init__(
@@ -102,15 +115,17 @@ class TopicInput(Generic[M]):
         fresh: float,
         refusals: Refusals,
         check: Callable[[M], None] | None = None,
+        *,
+        standbys: bool = False,
     ) -> None:
         self.key = key
         self._kind = kind
         self._check = check
-        self._hearing: Arbiter[M] = Arbiter(fresh)
         self._refusals = refusals
+        self._arbiter = Arbiter[M](fresh) if standbys else Arbiter[M](fresh, self._count_another)
 
-    def take(self, data: bytes, now: float) -> M | None:
-        """Take what arrived `now` [s]; return the message, or None if it was refused."""
+    def accept(self, data: bytes, now: float) -> M | None:
+        """Accept what arrived `now` [s]; return the message, or None if it is refused."""
         try:
             message = unpack(self._kind, data)
             if self._check is not None:
@@ -118,53 +133,54 @@ class TopicInput(Generic[M]):
         except MessageError as error:
             self._refusals.count(self.key, error.reason, error.detail)
             return None
-        reason = self._hearing.hear(message, now)
+        reason = self._arbiter.accept(message, now)
         if reason is not None:
             self._refusals.count(self.key, reason, f"message {message.n} of {message.by:x}")
             return None
         return message
 
-    def obeyed(self, now: float) -> Source[M] | None:
-        """Return who counts `now` [s], however long ago; None if nobody was ever heard."""
-        return self._hearing.obeyed(now)
+    def _count_another(self, message: M) -> None:
+        self._refusals.count(self.key, Reason.ANOTHER_SOURCE, f"incarnation {message.by:x}")
+
+    def selected(self, now: float) -> Source[M] | None:
+        """Return the source that counts `now` [s], however old; None if there never was one."""
+        return self._arbiter.selected(now)
 
     def fresh(self, now: float) -> M | None:
-        """Return what counts `now` [s] if it is fresh."""
-        heard = self._hearing.obeyed(now)
-        if heard is None or now - heard.arrived > self._hearing.fresh:
+        """Return the message that counts `now` [s] if it is fresh."""
+        source = self._arbiter.selected(now)
+        if source is None or now - source.arrived > self._arbiter.fresh:
             return None
-        return heard.message
+        return source.message
 
 
 class GoalInput:
-    """Listens to who leads the goal, and to what the plant knows of it.
+    """The goal: what its source publishes, and what the plant knows of it.
 
-    A goal does not go stale: its source may be gone for good. Then a newcomer has the plant's word
-    alone, and who was cut off for a while may have heard less than the plant did.
+    A goal does not go stale: its source may be gone for good. A process that starts then has what
+    the plant knows alone, and one that was cut off for a while may know less than the plant does.
 
-    fresh: how long a message counts as fresh after its arrival [s]
+    Args:
+        fresh: For how long after its arrival a message is fresh [s].
+        refusals: Where refusals are counted.
     """
 
     def __init__(self, fresh: float, refusals: Refusals) -> None:
         self._fresh = fresh
-        self._led = TopicInput(topics.GOAL, GoalMessage, fresh, refusals)
+        self._published = TopicInput(topics.GOAL, GoalMessage, fresh, refusals)
         self._known = TopicInput(topics.KNOWN_GOAL, GoalMessage, fresh, refusals)
 
-    def take(self, key: str, data: bytes, now: float) -> None:
-        """Take what arrived on one of its two keys `now` [s]."""
-        (self._led if key == topics.GOAL else self._known).take(data, now)
+    def accept(self, key: str, data: bytes, now: float) -> None:
+        """Accept what arrived on one of the two keys `now` [s]."""
+        (self._published if key == topics.GOAL else self._known).accept(data, now)
 
-    def obeyed(self, now: float) -> GoalMessage | None:
+    def selected(self, now: float) -> GoalMessage | None:
         """Return the goal in force `now` [s]; None if there never was one.
 
-        Whoever leads it is obeyed as long as he is heard. Of what is left behind, the newest by
-        the plant's time counts.
+        While its source is fresh, that one's. Of what is left behind, the newest by plant time.
         """
-        led = self._led.obeyed(now)
-        if led is not None and now - led.arrived <= self._fresh:
-            return led.message
-        known = self._known.obeyed(now)
-        if led is None or known is None:
-            left = led or known
-            return None if left is None else left.message
-        return max(led.message, known.message, key=lambda goal: goal.t)
+        published = self._published.selected(now)
+        if published is not None and now - published.arrived <= self._fresh:
+            return published.message
+        left = [source.message for source in (published, self._known.selected(now)) if source]
+        return max(left, key=lambda goal: goal.t, default=None)

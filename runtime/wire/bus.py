@@ -194,7 +194,7 @@ class Bus:
         self._reflexes.append(on_sample)
         return on_sample
 
-    def listen(self, key: str, take: Callable[[str, bytes], None]) -> None:
+    def subscribe(self, key: str, take: Callable[[str, bytes], None]) -> None:
         """Call `take` with key and bytes of each message, in a thread of the bus."""
         self._session.declare_subscriber(
             key, lambda sample: take(str(sample.key_expr), data_of(sample.payload))

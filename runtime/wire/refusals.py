@@ -12,7 +12,11 @@ OTHER_REASONS = "other reasons"
 
 
 class Reason(StrEnum):
-    """Why a message is refused; the value is what people read."""
+    """Why a message is refused, or noteworthy; the value is what people read.
+
+    `ANOTHER_SOURCE` counts sources, not messages: each that begins to publish while another is
+    fresh. `OVER_LIMIT` counts commands that are obeyed within the limits.
+    """
 
     TOO_LARGE = "too large"
     NOT_MSGPACK = "not msgpack"
@@ -25,6 +29,7 @@ class Reason(StrEnum):
     NOT_UNIT = "not a unit quaternion"
     UNKNOWN_KEY = "unknown key"
     LATE = "late"
+    ANOTHER_SOURCE = "another source"
     OVER_LIMIT = "over limit, clamped"
 
 

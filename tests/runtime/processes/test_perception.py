@@ -1,3 +1,5 @@
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from msgspec.structs import replace
@@ -42,7 +44,7 @@ class Agent:
     def hears(self, message: Message, at: float, by: int = 7) -> bool:
         self._n += 1
         data = stamped(message, by, self._n)
-        return self.senses.take(Sample(KEYS[type(message)], data), at)
+        return self.senses.accept(Sample(KEYS[type(message)], data), at)
 
     def sees(self, at: float) -> Percepts:
         percepts = self.senses.percepts(at)
@@ -70,7 +72,7 @@ def test_all_that_is_fresh_is_perceived(agent: Agent) -> None:
 
 def test_a_newcomer_perceives_the_goal_that_the_plant_knows(agent: Agent) -> None:
     agent.hears(STATES, at=10.0)
-    assert not agent.senses.take(Sample(topics.KNOWN_GOAL, pack(replace(GOAL, n=1))), 10.0)
+    assert not agent.senses.accept(Sample(topics.KNOWN_GOAL, pack(replace(GOAL, n=1))), 10.0)
     goal = agent.sees(10.1).goal
     assert goal is not None
     assert goal.at(2.5) == pytest.approx([1.0, 2.0, 3.2])
@@ -104,6 +106,47 @@ def test_an_operator_moves_the_goal_and_gives_it_back_by_falling_silent(agent: A
         assert goal.position[0] == (9.0 if theirs else 1.0)
 
 
+SECOND: dict[str, tuple[Message, Message, Callable[[Percepts], object]]] = {
+    topics.HAND: (
+        POSE,
+        replace(POSE, position=(9.0, 9.0, 9.0)),
+        lambda seen: seen.hand is not None and seen.hand[0] == 9.0,
+    ),
+    topics.JOINTS: (
+        STATES,
+        replace(STATES, position=(9.0,) * 6),
+        lambda seen: seen.joints is not None and seen.joints.position[0] == 9.0,
+    ),
+    topics.PLATFORM: (
+        BASE,
+        replace(BASE, x=9.0),
+        lambda seen: seen.base is not None and seen.base[0] == 9.0,
+    ),
+    topics.GOAL: (
+        GOAL,
+        replace(GOAL, position=(9.0, 9.0, 9.0)),
+        lambda seen: seen.goal is not None and seen.goal.position[0] == 9.0,
+    ),
+}
+
+
+@pytest.mark.parametrize("key", SECOND)
+def test_a_second_source_is_counted_and_takes_over_from_its_second_message(
+    agent: Agent, key: str
+) -> None:
+    usual, other, is_other = SECOND[key]
+    for message in (usual, usual, STATES, STATES):
+        agent.hears(message, at=10.0)
+    for after_second in (False, True):
+        agent.hears(other, at=10.05, by=8)
+        agent.hears(usual, at=10.05)
+        assert bool(is_other(agent.sees(10.06))) is after_second
+    assert agent.refusals.table() == {key: {Reason.ANOTHER_SOURCE: 1}}
+    agent.hears(usual, at=10.3)
+    agent.hears(STATES, at=10.3)
+    assert not is_other(agent.sees(10.3)), "the other one has fallen silent"
+
+
 def test_blind_agents_perceive_nothing(agent: Agent) -> None:
     assert agent.senses.percepts(0.0) is None
     agent.hears(GOAL, at=10.0)
@@ -131,7 +174,7 @@ def test_joint_states_of_another_robot_are_refused(agent: Agent) -> None:
 
 
 def test_strange_keys_are_counted(agent: Agent) -> None:
-    assert not agent.senses.take(Sample("arm/secret\x1b", b""), 0.0)
+    assert not agent.senses.accept(Sample("arm/secret\x1b", b""), 0.0)
     assert agent.refusals.table() == {UNKNOWN_KEYS: {Reason.UNKNOWN_KEY: 1}}
 
 
@@ -166,9 +209,9 @@ def test_without_joint_states_every_sight_of_the_hand_counts(agent: Agent) -> No
 def test_nonsense_does_not_take_the_place_of_the_hand(agent: Agent) -> None:
     for tick in range(4):
         t, at = 0.02 * tick, 10 + 0.02 * tick
-        agent.senses.take(Sample(topics.HAND, b"nonsense"), at)
+        agent.senses.accept(Sample(topics.HAND, b"nonsense"), at)
         agent.hears(replace(POSE, t=t), at)
-        agent.senses.take(Sample(topics.HAND, b"nonsense"), at)
+        agent.senses.accept(Sample(topics.HAND, b"nonsense"), at)
         agent.hears(replace(STATES, t=t), at)
         percepts = agent.sees(at)
         assert percepts.t == t

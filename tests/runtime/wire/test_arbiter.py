@@ -1,4 +1,4 @@
-"""Histories of what arrives on one key: who is obeyed, and what is refused."""
+"""Histories of what arrives on one key: who is selected, and what is refused."""
 
 from typing import NamedTuple
 
@@ -22,20 +22,20 @@ class Told(NamedTuple):
     n: int
 
 
-def hear(hearing: Arbiter[JointCommand], told: Told) -> Reason | None:
-    return hearing.hear(JointCommand(0.0, float(told.n), by=told.by, n=told.n), told.at)
+def accept(arbiter: Arbiter[JointCommand], told: Told) -> Reason | None:
+    return arbiter.accept(JointCommand(0.0, float(told.n), by=told.by, n=told.n), told.at)
 
 
-def obeyed(hearing: Arbiter[JointCommand], now: float) -> tuple[int, int] | None:
-    heard = hearing.obeyed(now)
+def selected(arbiter: Arbiter[JointCommand], now: float) -> tuple[int, int] | None:
+    heard = arbiter.selected(now)
     return (heard.message.by, heard.message.n) if heard else None
 
 
 def after(*history: Told) -> Arbiter[JointCommand]:
-    hearing = Arbiter[JointCommand](FRESH)
+    arbiter = Arbiter[JointCommand](FRESH)
     for told in history:
-        hear(hearing, told)
-    return hearing
+        accept(arbiter, told)
+    return arbiter
 
 
 Case = tuple[list[Told], float, tuple[int, int] | None]
@@ -116,39 +116,39 @@ HISTORIES: dict[str, Case] = {
 def test_the_right_one_is_obeyed(
     history: list[Told], now: float, expected: tuple[int, int] | None
 ) -> None:
-    assert obeyed(after(*history), now) == expected
+    assert selected(after(*history), now) == expected
 
 
 def test_late_ones_are_refused_as_late() -> None:
-    hearing = after(Told(0, A, 5))
-    assert hear(hearing, Told(0.01, A, 5)) is Reason.LATE
-    assert hear(hearing, Told(0.02, A, 4)) is Reason.LATE
-    assert hear(hearing, Told(0.03, A, 6)) is None
+    arbiter = after(Told(0, A, 5))
+    assert accept(arbiter, Told(0.01, A, 5)) is Reason.LATE
+    assert accept(arbiter, Told(0.02, A, 4)) is Reason.LATE
+    assert accept(arbiter, Told(0.03, A, 6)) is None
 
 
 def test_what_is_obeyed_comes_with_the_time_of_its_arrival() -> None:
-    heard = after(Told(1.5, A, 1)).obeyed(7.0)
+    heard = after(Told(1.5, A, 1)).selected(7.0)
     assert heard is not None
     assert heard.arrived == 1.5
 
 
 def test_a_flood_of_made_up_incarnations_takes_no_memory_and_no_control() -> None:
-    hearing = after(Told(0, A, 1), Told(0.001, A, 2))
+    arbiter = after(Told(0, A, 1), Told(0.001, A, 2))
     for k in range(3, 2000):
         now = k * 0.001
         for stranger in range(10):
-            hear(hearing, Told(now, 1000 + k * 10 + stranger, 77))
-        hear(hearing, Told(now, A, k))
-        assert obeyed(hearing, now) == (A, k)
-    assert len(hearing._voices) <= SOURCES_KEPT
+            accept(arbiter, Told(now, 1000 + k * 10 + stranger, 77))
+        accept(arbiter, Told(now, A, k))
+        assert selected(arbiter, now) == (A, k)
+    assert len(arbiter._sources) <= SOURCES_KEPT
 
 
 def test_a_flood_in_the_name_of_the_one_obeyed_passes() -> None:
-    hearing = after(Told(0, A, 1), Told(0.001, A, 2))
+    arbiter = after(Told(0, A, 1), Told(0.001, A, 2))
     for k in range(3, 2000):
-        hear(hearing, Told(k * 0.001, A, (k * 7919 << 20) % 2**63))
-        hear(hearing, Told(k * 0.001, A, k))
-        assert obeyed(hearing, k * 0.001) == (A, k)
+        accept(arbiter, Told(k * 0.001, A, (k * 7919 << 20) % 2**63))
+        accept(arbiter, Told(k * 0.001, A, k))
+        assert selected(arbiter, k * 0.001) == (A, k)
 
 
 histories = st.lists(
@@ -160,7 +160,7 @@ histories = st.lists(
 def test_in_any_history_the_obeyed_one_is_the_newest_among_the_fresh(
     history: list[tuple[float, int, int]],
 ) -> None:
-    hearing = Arbiter[JointCommand](FRESH)
+    arbiter = Arbiter[JointCommand](FRESH)
     now = 0.0
     first_heard: list[int] = []
     last: dict[int, float] = {}
@@ -169,27 +169,27 @@ def test_in_any_history_the_obeyed_one_is_the_newest_among_the_fresh(
         now += gap
         if by not in first_heard:
             first_heard.append(by)
-        if hear(hearing, Told(now, by, n)) is None:
+        if accept(arbiter, Told(now, by, n)) is None:
             last[by] = now
             accepted[by] = accepted.get(by, 0) + 1
     fresh = [by for by in first_heard if now - last.get(by, -1) <= FRESH]
     known = [by for by in fresh if accepted[by] > 1] or fresh
-    voice = obeyed(hearing, now)
+    source = selected(arbiter, now)
     if known:
-        assert voice is not None
-        assert voice[0] == known[-1]
+        assert source is not None
+        assert source[0] == known[-1]
     else:
-        assert (voice is None) == (not history)
+        assert (source is None) == (not history)
 
 
 @given(histories)
-def test_numbers_of_one_voice_go_down_only_after_a_silence(
+def test_numbers_of_one_source_go_down_only_after_a_silence(
     history: list[tuple[float, int, int]],
 ) -> None:
-    hearing = Arbiter[JointCommand](FRESH)
+    arbiter = Arbiter[JointCommand](FRESH)
     now, before, since = 0.0, -1, 0.0
     for gap, _, n in history:
         now += gap
-        if hear(hearing, Told(now, A, n)) is None:
+        if accept(arbiter, Told(now, A, n)) is None:
             assert n > before or now - since > FRESH
             before, since = n, now

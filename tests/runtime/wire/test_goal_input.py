@@ -49,9 +49,9 @@ HISTORIES: dict[str, tuple[list[Word], float | None]] = {
 
 @pytest.mark.parametrize(("words", "obeyed"), HISTORIES.values(), ids=HISTORIES.keys())
 def test_the_goal_that_counts(words: list[Word], obeyed: float | None) -> None:
-    ear = GoalInput(FRESH, Refusals())
+    goals = GoalInput(FRESH, Refusals())
     for n, (at, key, by, t) in enumerate(words, start=1):
         goal = GoalMessage(t, (1.0, 2.0, 3.0), (0.0, 0.0, 0.1), 0.0, 24.0, by=by, n=n)
-        ear.take(key, pack(goal), at)
-    found = ear.obeyed(10.0)
+        goals.accept(key, pack(goal), at)
+    found = goals.selected(10.0)
     assert (found and found.t) == obeyed

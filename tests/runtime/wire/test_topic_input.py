@@ -24,31 +24,31 @@ def refusals() -> Refusals:
 
 
 @pytest.fixture
-def ear(refusals: Refusals) -> TopicInput[JointCommand]:
+def topic(refusals: Refusals) -> TopicInput[JointCommand]:
     return TopicInput(KEY, JointCommand, 0.2, refusals)
 
 
-def test_a_sound_message_counts_while_it_is_fresh(ear: TopicInput[JointCommand]) -> None:
-    ear.take(command(1), now=10.0)
-    assert ear.fresh(10.1) == JointCommand(1.0, 0.5, by=7, n=1)
-    assert ear.fresh(10.3) is None
+def test_a_sound_message_counts_while_it_is_fresh(topic: TopicInput[JointCommand]) -> None:
+    topic.accept(command(1), now=10.0)
+    assert topic.fresh(10.1) == JointCommand(1.0, 0.5, by=7, n=1)
+    assert topic.fresh(10.3) is None
 
 
-def test_what_is_no_longer_fresh_is_still_known(ear: TopicInput[JointCommand]) -> None:
-    ear.take(command(1), now=10.0)
-    heard = ear.obeyed(99.0)
+def test_what_is_no_longer_fresh_is_still_known(topic: TopicInput[JointCommand]) -> None:
+    topic.accept(command(1), now=10.0)
+    heard = topic.selected(99.0)
     assert heard is not None
     assert heard.arrived == 10.0
 
 
 def test_refused_messages_are_counted_by_reason_and_change_nothing(
-    ear: TopicInput[JointCommand], refusals: Refusals
+    topic: TopicInput[JointCommand], refusals: Refusals
 ) -> None:
-    ear.take(command(5), now=0.0)
+    topic.accept(command(5), now=0.0)
     for data in (b"noise", b"more noise", command(5), command(4)):
-        assert ear.take(data, now=0.1) is None
+        assert topic.accept(data, now=0.1) is None
     assert refusals.table() == {KEY: {Reason.NOT_MSGPACK: 2, Reason.LATE: 2}}
-    assert ear.fresh(0.1) == JointCommand(1.0, 0.5, by=7, n=5)
+    assert topic.fresh(0.1) == JointCommand(1.0, 0.5, by=7, n=5)
 
 
 def test_a_message_that_does_not_fit_the_robot_is_refused(refusals: Refusals) -> None:
@@ -56,9 +56,9 @@ def test_a_message_that_does_not_fit_the_robot_is_refused(refusals: Refusals) ->
         if message.velocity > 1:
             raise MessageError(Reason.WRONG_LENGTH, "too much")
 
-    ear = TopicInput(KEY, JointCommand, 0.2, refusals, check)
-    assert ear.take(command(1, velocity=2.0), now=0.0) is None
-    assert ear.take(command(2), now=0.0) is not None
+    topic = TopicInput(KEY, JointCommand, 0.2, refusals, check)
+    assert topic.accept(command(1, velocity=2.0), now=0.0) is None
+    assert topic.accept(command(2), now=0.0) is not None
     assert refusals.table() == {KEY: {Reason.WRONG_LENGTH: 1}}
 
 
