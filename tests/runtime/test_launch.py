@@ -10,15 +10,10 @@ from pathlib import Path
 
 import pytest
 
-from tests.runtime.conftest import Robot, wait_for
+from tests.runtime.conftest import RUN_DEADLINE, SOON, Robot, wait_for
 
 SPEED = ("--speed", "3")
 ROLES = ["plant", "goal", *(f"joint/{number}" for number in range(1, 7)), "platform"]
-
-
-@pytest.fixture(autouse=True)
-def _time_for_a_run(request: pytest.FixtureRequest) -> None:
-    request.node.add_marker(pytest.mark.timeout(60))
 
 
 def test_the_paper_s_task_is_done_and_nothing_is_left_but_the_record(robot: Robot) -> None:
@@ -43,10 +38,10 @@ def test_the_paper_s_task_is_done_and_nothing_is_left_but_the_record(robot: Robo
 
 def test_all_move_at_once_show_their_roles_and_have_sessions_of_their_own(robot: Robot) -> None:
     began = time.time()
-    robot.launch("--duration", "5s")
+    robot.launch("--duration", "1h")
     robot.until(0.5)
     moved = next(tick for tick in robot.log("plant", "tick") if any(tick["qd"]))
-    assert moved["wall"] - began < 3.0  # 1.5 on an idle machine; tests may share it
+    assert moved["wall"] - began < SOON
     processes = robot.processes()
     assert sorted(line.split()[-1] for line in processes.values()) == sorted((*ROLES, "forkserver"))
     assert {os.getsid(pid) for pid in processes} == set(processes)
@@ -68,7 +63,7 @@ def test_an_agent_that_hangs_at_the_end_is_killed(robot: Robot) -> None:
     robot.until(1.0)
     os.kill(robot.pid("joint/5"), signal.SIGSTOP)
     robot.until(2.0)
-    out, _ = launcher.communicate(timeout=8)
+    out, _ = launcher.communicate(timeout=RUN_DEADLINE)
     assert launcher.returncode == 0
     assert robot.processes() == {}
     assert "joint/5 was killed by SIGKILL" in out
@@ -102,7 +97,7 @@ def test_two_robots_at_once_both_succeed(make_robot: Callable[[], Robot]) -> Non
     robots = make_robot(), make_robot()
     launchers = [robot.launch("--duration", "6s", "--speed", "2") for robot in robots]
     for robot, launcher in zip(robots, launchers, strict=True):
-        out, err = launcher.communicate(timeout=30)
+        out, err = launcher.communicate(timeout=RUN_DEADLINE)
         assert launcher.returncode == 0, out + err
         assert all(not process["refused"] for process in robot.summary["processes"])
 
@@ -111,7 +106,7 @@ def test_a_run_goes_on_when_nobody_reads_what_it_says(robot: Robot) -> None:
     launcher = robot.launch("--duration", "2s")
     assert launcher.stdout is not None
     launcher.stdout.close()
-    assert launcher.wait(timeout=20) == 0
+    assert launcher.wait(timeout=RUN_DEADLINE) == 0
     assert robot.summary["code"] == 0
 
 
@@ -139,26 +134,26 @@ def test_a_run_whose_plant_dies_has_failed(robot: Robot) -> None:
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_an_interrupted_launch_leaves_no_process(robot: Robot, number: signal.Signals) -> None:
-    launcher = robot.launch()
+    launcher = robot.launch("--duration", "1h")
     robot.until(0.5)
     launcher.send_signal(number)
-    wait_for(lambda: not robot.processes(), "all to end", timeout=3.0)
-    out, _ = launcher.communicate(timeout=10)
+    wait_for(lambda: not robot.processes(), "all to end")
+    out, _ = launcher.communicate(timeout=RUN_DEADLINE)
     assert launcher.returncode == 130
     assert "interrupted" in out
 
 
 def test_an_interrupted_launch_ends_even_those_who_hang(robot: Robot) -> None:
-    launcher = robot.launch()
+    launcher = robot.launch("--duration", "1h")
     robot.until(0.5)
     for role in ("plant", "joint/1"):
         os.kill(robot.pid(role), signal.SIGSTOP)
     launcher.send_signal(signal.SIGINT)
-    wait_for(lambda: not robot.processes(), "all to end", timeout=3.0)
+    wait_for(lambda: not robot.processes(), "all to end")
 
 
 def test_a_second_launch_of_the_same_robot_fails_and_spares_the_first(robot: Robot) -> None:
-    first = robot.launch("--duration", "4s")
+    first = robot.launch("--duration", "1h")
     robot.until(0.5)
     before = robot.processes()
     code, said = robot.run("--duration", "4s")
@@ -166,8 +161,7 @@ def test_a_second_launch_of_the_same_robot_fails_and_spares_the_first(robot: Rob
     assert said.count("\n") == 1
     assert "is taken" in said
     assert robot.processes() == before
-    first.communicate(timeout=20)
-    assert first.returncode == 0
+    assert first.poll() is None
 
 
 def test_a_start_that_fails_in_a_process_ends_the_others(robot: Robot, tmp_path: Path) -> None:
@@ -179,16 +173,18 @@ def test_a_start_that_fails_in_a_process_ends_the_others(robot: Robot, tmp_path:
         "            raise ValueError('not today')\n"
         "        super().__init__(body, **more)\n"
     )
-    began = time.monotonic()
     code, said = robot.run(
-        "--set", f"modules={tmp_path}", "--set", "agents.joint/5.class=fussy:Fussy"
+        *("--duration", "1h"),
+        "--set",
+        f"modules={tmp_path}",
+        "--set",
+        "agents.joint/5.class=fussy:Fussy",
     )
     assert code == 1
     assert "joint/5" in said
     assert "not today" in said
     assert said.count("\n") == 1
     assert robot.processes() == {}
-    assert time.monotonic() - began < 6.0
 
 
 @pytest.mark.parametrize(

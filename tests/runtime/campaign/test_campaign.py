@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from runtime.wire.mesh import LOOPBACK
-from tests.runtime.conftest import ROOT, Robot, wait_for
+from tests.runtime.conftest import ROOT, RUN_DEADLINE, Robot, wait_for
 
 FILE = str(ROOT / "deploy" / "arph.yaml")
 SHORT = ("--speed", "3", "--duration", "8s")
@@ -21,12 +21,12 @@ def report(robot: Robot) -> tuple[Path, dict[str, Any]]:
     return folder, json.loads((folder / "chaos.json").read_text())
 
 
-@pytest.mark.timeout(240)
+@pytest.mark.timeout(600)
 def test_ten_runs_with_random_faults_of_any_process_all_reach_the_goal(robot: Robot) -> None:
     campaign = robot.start(
         "chaos", FILE, "--robot", robot.name, *SHORT, "--runs", "10", "--seed", "1"
     )
-    out, err = campaign.communicate(timeout=220)
+    out, err = campaign.communicate(timeout=540)
     assert campaign.returncode == 0, out + err
     assert "10 of 10 runs ended within 3.00 mm of the goal" in out
     assert robot.processes() == {}
@@ -101,7 +101,7 @@ def test_an_interrupted_campaign_reports_what_was_done_and_leaves_no_process(rob
     wait_for(lambda: robot.processes(), "its first run")
     wait_for(lambda: list(robot.folder.glob("runs/*/*/plant.jsonl")), "its plant")
     campaign.send_signal(signal.SIGINT)
-    out, _ = campaign.communicate(timeout=40)
+    out, _ = campaign.communicate(timeout=RUN_DEADLINE)
     assert campaign.returncode == 130
     assert "0 of 0 runs" in out
     assert robot.processes() == {}

@@ -12,7 +12,7 @@ from runtime.config.overrides import Override
 from runtime.config.tree import ConfigError
 from runtime.results.run_log import read_run_log
 from runtime.spawning.identity import obeyed_in
-from tests.runtime.conftest import ROOT, Robot, wait_for
+from tests.runtime.conftest import ROOT, RUN_DEADLINE, Robot, wait_for
 
 FILE = ROOT / "deploy" / "arph.yaml"
 HOSTS = Override("test", "hosts", "{robot: 10.0.0.1, arm: 10.0.0.2, base: 10.0.0.3}")
@@ -51,8 +51,8 @@ def test_copies_that_cannot_be_are_refused(text: str, says: str) -> None:
 
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP], ids=["killed", "hung"])
 def test_a_standby_takes_over_within_the_hold_time(robot: Robot, number: signal.Signals) -> None:
-    options = ("--set", "agents.joint/1.copies=2", "--set", "plant.hold=500ms")  # tests share
-    launcher = robot.launch("--duration", "60s", *options)
+    options = ("--set", "agents.joint/1.copies=2", "--set", "plant.hold=2s")
+    launcher = robot.launch("--duration", "1h", *options)
     robot.until(1.0)
     shown = robot.tool("status").stdout
     assert shown.count("joint/1 ") == 2, shown
@@ -61,12 +61,12 @@ def test_a_standby_takes_over_within_the_hold_time(robot: Robot, number: signal.
     former, began = _obeyed(robot), time.time()
     os.kill(obeyed.pid, number)
 
-    wait_for(lambda: _obeyed(robot) == former + 1, "the other to be obeyed")
-    robot.until(robot.t + 0.5)
+    wait_for(lambda: _obeyed(robot) > former, "the other to be obeyed")
+    robot.until(robot.t + 3.0)
     launcher.send_signal(signal.SIGINT)
-    launcher.communicate(timeout=20)
+    launcher.communicate(timeout=RUN_DEADLINE)
     record = read_run_log(robot.run_folder)
-    after = record.age[(record.wall >= began) & (record.wall < began + 1.0), 0]
+    after = record.age[(record.wall >= began) & (record.wall < began + 3.0), 0]
     assert len(after) > 5
     assert not np.isnan(after).any(), "the joint was never without a command in force"
 
@@ -84,4 +84,4 @@ def test_a_copy_that_was_killed_can_be_revived(robot: Robot) -> None:
     assert code == 0, said
     assert len(robot.log("joint/1", "start")) == 3
     assert said.count("joint/1 was restarted") == 1
-    wait_for(lambda: not robot.processes(), "all to end", timeout=5.0)
+    wait_for(lambda: not robot.processes(), "all to end")

@@ -10,14 +10,13 @@ from pathlib import Path
 
 import pytest
 
-from tests.runtime.conftest import Robot, wait_for
+from tests.runtime.conftest import RUN_DEADLINE, Robot, wait_for
 
-pytestmark = [
-    pytest.mark.skipif(os.geteuid() != 0, reason="namespaces take root: run the tests as root"),
-    pytest.mark.timeout(90),
-]
+pytestmark = pytest.mark.skipif(
+    os.geteuid() != 0, reason="namespaces take root: run the tests as root"
+)
 FILE = "arph-hosts.yaml"
-SOON = 2.0  # [s]; the bar is 1, and it is 0.4 on an idle machine; tests may share it
+RECONNECTED = 2.0  # [s]; the bar is 1, and it is 0.4 on an idle machine; tests may share it
 MOTORS, PLATFORM = range(7), 6  # as the plant logs them: the joints and then the platform
 TROUBLE = """[
   {at: 0 s, delay: [robot, arm, base], time: 20 ms, jitter: 5 ms},
@@ -33,7 +32,7 @@ def _nothing_is_left(robot: Robot) -> Iterator[None]:
     mounts = Path("/proc/self/mountinfo")
     before = mounts.read_text().count(" nsfs ")
     yield
-    wait_for(lambda: not robot.processes(), "all processes to be gone", timeout=5.0)
+    wait_for(lambda: not robot.processes(), "all processes to be gone")
     assert mounts.read_text().count(" nsfs ") == before
     assert [path.name for path in robot.folder.iterdir()] == ["runs"]
 
@@ -44,7 +43,7 @@ def rehearse(robot: Robot, *options: str) -> "subprocess.Popen[str]":
 
 def finish(launcher: "subprocess.Popen[str]") -> str:
     """Wait for the end of a launch that is to end well; return what it said."""
-    out, err = launcher.communicate(timeout=60)
+    out, err = launcher.communicate(timeout=RUN_DEADLINE)
     assert launcher.returncode == 0, out + err
     return out
 
@@ -75,7 +74,7 @@ def test_hosts_that_are_cut_off_are_commanded_again_soon_after_they_are_back(
     assert silences(robot, [3, PLATFORM]) == []
     ((last, again),) = silences(robot, set(MOTORS) - {3, PLATFORM})
     assert 2.0 < last < 3.0
-    assert 6.0 < again < 6.0 + SOON
+    assert 6.0 < again < 6.0 + RECONNECTED
     assert robot.summary["evaluation"]["tracking"]["final"] < 0.003
     hosts = {process["role"]: process["host"] for process in robot.summary["processes"]}
     assert (hosts["plant"], hosts["joint/1"], hosts["goal"]) == ("robot", "arm", "base")
@@ -114,24 +113,24 @@ def test_when_the_first_host_dies_the_others_go_on_and_newcomers_join(robot: Rob
             rf"joint/{motor + 1} was restarted, first command accepted after (\S+) s", said
         )
         assert told is not None, said
-        assert float(told[1]) < SOON
+        assert float(told[1]) < RECONNECTED
     assert robot.summary["evaluation"]["tracking"]["final"] < 0.003
 
 
 def test_an_interrupted_rehearsal_ends_as_any_launch_does(robot: Robot) -> None:
-    launcher = rehearse(robot)
+    launcher = rehearse(robot, "--duration", "1h")
     robot.until(0.5)
     launcher.send_signal(signal.SIGINT)
-    out, _ = launcher.communicate(timeout=20)
+    out, _ = launcher.communicate(timeout=RUN_DEADLINE)
     assert launcher.returncode == 130
     assert "interrupted" in out
 
 
 def test_a_rehearsal_ends_with_its_launcher(robot: Robot) -> None:
-    launcher = rehearse(robot)
+    launcher = rehearse(robot, "--duration", "1h")
     robot.until(0.5)
     launcher.kill()
-    wait_for(lambda: not robot.processes(), "all to end", timeout=5.0)
+    wait_for(lambda: not robot.processes(), "all to end")
 
 
 def test_a_network_that_cannot_be_broken_is_said_before_anything_starts(robot: Robot) -> None:
@@ -144,7 +143,7 @@ def test_a_network_that_cannot_be_broken_is_said_before_anything_starts(robot: R
 
 def test_a_rehearsal_cannot_go_on_without_its_launcher(robot: Robot) -> None:
     launcher = rehearse(robot, "--kill", "launcher@3")
-    _, err = launcher.communicate(timeout=20)
+    _, err = launcher.communicate(timeout=RUN_DEADLINE)
     assert launcher.returncode == 2
     assert "its hosts end with the launcher" in err
     (robot.folder / "runs").mkdir(exist_ok=True)

@@ -14,13 +14,12 @@ from runtime.doctor.machine import Grade
 from runtime.doctor.network import Health, check_hosts, check_robot, check_running
 from runtime.watching.discovery import Target
 from runtime.wire.messages import Diag, Spread
-from tests.runtime.conftest import ROOT, Robot, wait_for
+from tests.runtime.conftest import ROOT, RUN_DEADLINE, Robot, wait_for
 
 FILE = "arph-hosts.yaml"
 DEPLOYMENT = ROOT / "deploy" / FILE
 
 
-@pytest.mark.timeout(60)
 def test_each_host_s_share_is_started_by_hand_and_tools_on_one_find_all(robot: Robot) -> None:
     options = ("--duration", "6s", "--set", "patience=20s")
     shares = [
@@ -34,7 +33,7 @@ def test_each_host_s_share_is_started_by_hand_and_tools_on_one_find_all(robot: R
 
     seen = wait_for(status, "all nine processes in the status")
     assert seen["robot"] == robot.name
-    said = [share.communicate(timeout=40)[0] for share in shares]
+    said = [share.communicate(timeout=RUN_DEADLINE)[0] for share in shares]
     assert [share.returncode for share in shares] == [0, 0, 0], said
     assert "the share of base ran to 6.00 s" in said[0]
     assert "the share of arm ran to 6.00 s" in said[1]

@@ -2,7 +2,6 @@
 
 import getpass
 import os
-import pwd
 import shutil
 import signal
 import socket
@@ -14,21 +13,17 @@ from pathlib import Path
 
 import pytest
 
-from tests.runtime.conftest import ROOT, Robot, wait_for
+from tests.runtime.conftest import ROOT, RUN_DEADLINE, Robot, wait_for
 
 SSHD, SSH, KEYGEN = (
     shutil.which(name, path=f"{os.environ['PATH']}:/usr/sbin:/sbin")
     for name in ("sshd", "ssh", "ssh-keygen")
 )
-pytestmark = [
-    pytest.mark.skipif(
-        not (SSHD and SSH and KEYGEN and Path("/run/sshd").is_dir()),
-        reason="it takes openssh-server, openssh-client and the folder /run/sshd",
-    ),
-    pytest.mark.timeout(90),
-]
+pytestmark = pytest.mark.skipif(
+    not (SSHD and SSH and KEYGEN and Path("/run/sshd").is_dir()),
+    reason="it takes openssh-server, openssh-client and the folder /run/sshd",
+)
 FILE = "arph-hosts.yaml"
-HOME = Path(pwd.getpwuid(os.getuid()).pw_dir)  # as sshd knows it, whatever HOME says here
 
 
 @pytest.fixture
@@ -58,7 +53,7 @@ def robot(robot: Robot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iter
     wrapper.chmod(0o755)
     monkeypatch.setenv("PATH", f"{place}/bin{os.pathsep}{os.environ['PATH']}")
     robot.environment["PATH"] = os.environ["PATH"]
-    before = sorted(HOME.glob("runs/*"))
+    home(robot).mkdir()
     server = subprocess.Popen([str(SSHD), "-D", "-e", "-f", place / "server"], stderr=-1)
     try:
         wait_for(lambda: _listens(port), "the ssh server")
@@ -67,7 +62,12 @@ def robot(robot: Robot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iter
     finally:
         server.kill()
         server.communicate()
-    assert sorted(HOME.glob("runs/*")) == before
+    assert list(home(robot).iterdir()) == [], "nothing is left on the hosts"
+
+
+def home(robot: Robot) -> Path:
+    """Return where `msma` is called on the hosts, in place of the user's home folder."""
+    return robot.folder.with_name(f"{robot.name}-home")
 
 
 def _listens(port: int) -> bool:
@@ -77,19 +77,18 @@ def _listens(port: int) -> bool:
 
 
 def processes(robot: Robot) -> dict[int, str]:
-    """Return all processes of the robot's runs, and who started them on its hosts."""
+    """Return all processes of the robot on its hosts, and those that started them there."""
     found = {}
     for folder in Path("/proc").glob("[0-9]*"):
         with suppress(OSError):
-            arguments = (folder / "cmdline").read_text().replace("\0", " ")
-            if f"/{robot.name}-" in arguments or "runtime.cli share" in arguments:
-                found[int(folder.name)] = arguments
+            if (folder / "cwd").readlink() == home(robot):  # all begin in it and stay
+                found[int(folder.name)] = (folder / "cmdline").read_text().replace("\0", " ")
     return found
 
 
 def by_ssh(robot: Robot, *options: str, arm: str = "") -> "subprocess.Popen[str]":
     """Launch on three hosts, all of which are this machine; `arm` is how to call msma on that."""
-    command = f"env PYTHONPATH={ROOT} {sys.executable} -m runtime.cli"
+    command = f"env -C {home(robot)} PYTHONPATH={ROOT} {sys.executable} -m runtime.cli"
     hosts = ", ".join(
         f"{name}: {{address: 127.0.0.{number}, ssh: {name}, command: '{called or command}'}}"
         for number, name, called in ((1, "robot", ""), (2, "arm", arm), (3, "base", ""))
@@ -101,7 +100,7 @@ def test_all_hosts_are_started_from_one_terminal_and_their_logs_brought_back(
     robot: Robot,
 ) -> None:
     launcher = by_ssh(robot, "--duration", "6s", "--speed", "3", "--kill", "joint/2@3")
-    out, err = launcher.communicate(timeout=60)
+    out, err = launcher.communicate(timeout=RUN_DEADLINE)
     assert launcher.returncode == 0, out + err
     assert "joint/2 was killed by SIGKILL" in out
     roles = {process["role"]: process for process in robot.summary["processes"]}
@@ -112,10 +111,10 @@ def test_all_hosts_are_started_from_one_terminal_and_their_logs_brought_back(
 
 
 def test_an_interrupted_launch_ends_the_processes_of_all_hosts(robot: Robot) -> None:
-    launcher = by_ssh(robot)
+    launcher = by_ssh(robot, "--duration", "1h")
     wait_for(lambda: len(processes(robot)) >= 9, "all processes")
     launcher.send_signal(signal.SIGINT)
-    out, _ = launcher.communicate(timeout=20)
+    out, _ = launcher.communicate(timeout=RUN_DEADLINE)
     assert launcher.returncode == 130, out
     assert processes(robot) == {}
 
@@ -127,19 +126,17 @@ def test_without_its_launcher_the_run_goes_to_its_end(robot: Robot) -> None:
     launcher.wait()
     assert len(processes(robot)) >= 9
     wait_for(lambda: not processes(robot), "all to end by themselves", timeout=20.0)
-    (plant,) = HOME.glob(f"runs/robot/{robot.name}-*/plant.jsonl")
+    (plant,) = home(robot).glob(f"runs/robot/{robot.name}-*/plant.jsonl")
     assert '"reason": "the run is over"' in plant.read_text().splitlines()[-1]
     for name in ("robot", "arm", "base"):
-        (left,) = HOME.glob(f"runs/{name}/{robot.name}-*")
-        shutil.rmtree(left)
-        with suppress(OSError):
-            left.parent.rmdir()
-            left.parent.parent.rmdir()
+        (left,) = home(robot).glob(f"runs/{name}/{robot.name}-*")
+        assert (left / "deployment.yaml").is_file()
+    shutil.rmtree(home(robot) / "runs")
 
 
 def test_a_host_that_cannot_be_reached_is_said_and_nothing_is_left(robot: Robot) -> None:
     launcher = by_ssh(robot, arm="nonsense")
-    _, err = launcher.communicate(timeout=30)
+    _, err = launcher.communicate(timeout=RUN_DEADLINE)
     assert launcher.returncode == 1
     assert "host arm: " in err
     assert "nonsense" in err

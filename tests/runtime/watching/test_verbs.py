@@ -8,7 +8,7 @@ from contextlib import ExitStack
 
 import pytest
 
-from tests.runtime.conftest import Robot, wait_for
+from tests.runtime.conftest import RUN_DEADLINE, Robot, wait_for
 from tests.runtime.test_launch import ROLES
 
 
@@ -103,7 +103,7 @@ def test_hz_measures_the_rate_of_each_key(running: Robot) -> None:
     lines = said.stdout.splitlines()
     assert [line.split(":")[0] for line in lines] == [f"arm/joint/{n}/cmd" for n in range(1, 7)]
     for line in lines:
-        assert 10.0 < float(line.split()[1]) < 20.0
+        assert 5.0 < float(line.split()[1]) < 20.0, "16.7 Hz, unless the machine is busy"
 
 
 def test_hz_on_a_silent_key_says_so(running: Robot) -> None:
@@ -136,12 +136,12 @@ def test_of_a_robot_that_does_not_run_it_is_said(robot: Robot) -> None:
 
 
 def test_all_of_it_is_stopped(robot: Robot) -> None:
-    launcher = robot.launch()
+    launcher = robot.launch("--duration", "1h")
     robot.until(0.3)
     assert robot.tool("stop", "joint/5").stdout == "stopped: joint/5\n"
     said = robot.tool("stop")
     assert said.returncode == 0, said.stderr
-    wait_for(lambda: not robot.processes(), "all to end", timeout=3.0)
-    out, _ = launcher.communicate(timeout=10)
+    wait_for(lambda: not robot.processes(), "all to end")
+    out, _ = launcher.communicate(timeout=RUN_DEADLINE)
     assert launcher.returncode == 130
     assert "asked to stop" in out

@@ -21,7 +21,7 @@ from runtime.wire.messages import Message, pack, unpack
 from runtime.wire.refusals import MessageError
 from runtime.wire.security import OPERATOR, Credentials, names
 from runtime.wire.zenoh_internals.connection_log import ACCESS_LIST, REJECTED_CONNECTIONS, Rejection
-from tests.runtime.conftest import Robot, wait_for
+from tests.runtime.conftest import RUN_DEADLINE, Robot, wait_for
 from tests.runtime.test_launch import ROLES
 from tests.runtime.wire.test_flood import samples
 
@@ -71,7 +71,7 @@ class Siege:
         robot.until(1.0)
         with ExitStack() as self._stack:
             self._besiege(authority)
-        self.out, self.err = launcher.communicate(timeout=60)
+        self.out, self.err = launcher.communicate(timeout=RUN_DEADLINE)
         self.code = launcher.returncode
 
     def _besiege(self, authority: Authority) -> None:
@@ -177,7 +177,6 @@ def siege(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Siege]:
         yield Siege(Robot(folder, stack), folder)
 
 
-@pytest.mark.timeout(90)
 def test_the_run_reaches_its_goal(siege: Siege) -> None:
     assert siege.code == 0, siege.out + siege.err
     assert siege.robot.summary["evaluation"]["tracking"]["worst"] < 0.003
@@ -239,7 +238,6 @@ def test_no_process_and_no_file_is_left(siege: Siege) -> None:
     assert len(list((siege.robot.folder / "runs").iterdir())) == 1
 
 
-@pytest.mark.timeout(60)
 def test_a_robot_that_is_open_obeys_the_same_stranger(robot: Robot) -> None:
     launcher = robot.launch("--duration", "4s", "--speed", "2")
     robot.until(0.5)
@@ -251,7 +249,7 @@ def test_a_robot_that_is_open_obeys_the_same_stranger(robot: Robot) -> None:
             for key, message in samples(n).items():
                 bus._session.put(key, pack(message))
             time.sleep(0.02)
-    launcher.communicate(timeout=30)
+    launcher.communicate(timeout=RUN_DEADLINE)
     assert launcher.returncode == 3
 
 
@@ -261,7 +259,6 @@ def tool(robot: Robot) -> Callable[..., subprocess.CompletedProcess[str]]:
     return lambda verb, *arguments: robot.msma(verb, *arguments, "--file", file)
 
 
-@pytest.mark.timeout(60)
 def test_all_tools_work_by_the_operator_s_certificate(robot: Robot, tmp_path: Path) -> None:
     where = tmp_path / "keys"
     write_keys(where, Authority(robot.name, 10), names(ROLES), [LOOPBACK])
@@ -283,5 +280,5 @@ def test_all_tools_work_by_the_operator_s_certificate(robot: Robot, tmp_path: Pa
     assert (said.returncode, said.stdout) == (1, "")
     assert "security" in said.stderr
     assert msma("stop").returncode == 0
-    launcher.communicate(timeout=15)
+    launcher.communicate(timeout=RUN_DEADLINE)
     assert robot.processes() == {}

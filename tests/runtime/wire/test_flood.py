@@ -7,8 +7,6 @@ import time
 from collections.abc import Callable
 from itertools import count
 
-import pytest
-
 from runtime.watching.local import diags
 from runtime.watching.watcher import Watcher
 from runtime.wire import topics
@@ -24,7 +22,7 @@ from runtime.wire.messages import (
     PlatformPose,
     pack,
 )
-from tests.runtime.conftest import Robot, wait_for
+from tests.runtime.conftest import RUN_DEADLINE, Robot, wait_for
 
 PATH_ENDS = 24.0  # [s]
 
@@ -70,7 +68,6 @@ WANTED = {("plant", topics.joint_command(1)): 2000, ("joint/1", topics.HAND): 10
 """How many messages a role is to refuse on a key: of states, agents take the latest few only."""
 
 
-@pytest.mark.timeout(240)
 def test_in_a_flood_the_run_reaches_its_goal_and_status_counts_what_was_refused(
     robot: Robot,
 ) -> None:
@@ -96,11 +93,11 @@ def test_in_a_flood_the_run_reaches_its_goal_and_status_counts_what_was_refused(
             view = watcher.look()
             return view.t > PATH_ENDS and view.error is not None and view.error < 0.003
 
-        wait_for(there, "the hand to be at the end of its path", timeout=100.0)
+        wait_for(there, "the hand to be at the end of its path")
     shown = json.loads(robot.tool("status", "--json").stdout)
     refused = {process["role"]: process["refused"] for process in shown["processes"]}
     for (role, key), least in WANTED.items():
         assert sum(refused[role][key].values()) > least
     launcher.send_signal(signal.SIGINT)
-    launcher.communicate(timeout=60)
+    launcher.communicate(timeout=RUN_DEADLINE)
     assert all(len(robot.log(role, "start")) == 1 for role in refused)
