@@ -3,25 +3,17 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN = $(VENV)/bin
 
-.PHONY: run test computed processes clean
+.PHONY: run test clean
 
 run: $(VENV)/run
 	$(BIN)/msma-launch deploy/arph.yaml
 
-# What computes goes beside what waits for robots in real time.
+# Most tests wait for robots in real time, so several run at once: tests/conftest.py says how many.
 test: $(VENV)/test
-	@$(MAKE) --no-print-directory --jobs=2 computed processes
-
-PROCESSES = tests/bench tests/runtime tests/test_readme.py
-
-computed:
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
-	$(BIN)/pytest -q $(PROCESSES:%=--ignore=%)
-
-processes:
-	$(BIN)/pytest $(PROCESSES)
+	$(BIN)/pytest -n auto --dist worksteal
 
 $(VENV)/bin/pip:
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "MSMA needs Python 3.11 or newer; this is %d.%d. Say which to use: make PYTHON=python3.11" % sys.version_info[:2])'

@@ -35,7 +35,8 @@ _ALL_PORTS = range(ALL_BASES.start, ALL_BASES.stop)
 _TABLES = {"/proc/net/tcp": socket.AF_INET, "/proc/net/tcp6": socket.AF_INET6}
 _LISTENS = "0A"  # as those tables say it
 _PATIENCE = 1.0  # [s]
-_CONNECTING = 3.0  # [s] until a busy process that listens has accepted a tool
+_NONE_CONNECTS = 3.0  # [s] until none of those that listen is expected to accept a tool any more
+_FEW_CONNECT = 1.0  # [s] the same for the others, once one has
 _CHECKING = 0.1  # [s] for all others to check a certificate, once one has
 _BY_FILE = "if its file sets its port, hosts or security, give the file: --file FILE"
 
@@ -145,24 +146,23 @@ def _somebody(bus: Bus, target: Target) -> bool:
     """Tell whether anybody is there, once all had time to connect.
 
     On the same machine they usually have when a session is open, but not if it is busy or if they
-    check certificates.
+    check certificates. A process that hangs does not connect.
     """
-    until = time.monotonic() + _CONNECTING
-    there = bool(bus.who_is_alive(_PATIENCE))
-    while not there and time.monotonic() < until and _may_answer(target):
+    began = time.monotonic()
+    while not (there := bool(bus.who_is_alive(_PATIENCE))) or bus.links < _processes(target):
+        if time.monotonic() > began + (_FEW_CONNECT if there else _NONE_CONNECTS):
+            break
+        if target.mesh.addresses == (LOOPBACK,) and not _processes(target):
+            break
         time.sleep(0.02)
-        there = bool(bus.who_is_alive(_PATIENCE))
     if target.credentials is not None:
         time.sleep(_CHECKING)
     return there
 
 
-def _may_answer(target: Target) -> bool:
-    """Tell whether a process of a robot may be there: on this machine, if one has a port of it."""
-    mesh = target.mesh
-    return set(mesh.addresses) != {LOOPBACK} or any(
-        mesh.base <= there.port < mesh.base + SLOTS for there in _listening()
-    )
+def _processes(target: Target) -> int:
+    """Return how many of the places that a tool dials are taken, on this machine."""
+    return len(set(_listening()).intersection(target.mesh.visitor().dials))
 
 
 @contextmanager

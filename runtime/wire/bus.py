@@ -213,6 +213,11 @@ class Bus:
             history=True,
         )
 
+    @property
+    def links(self) -> int:
+        """How many other processes it is connected to."""
+        return len(list(self._session.info.peers_zid()))
+
     def who_is_alive(self, timeout: float = 1.0) -> list[str]:
         """Return the keys of all tokens there are; waits [s] only for whom it has lost."""
 
