@@ -8,7 +8,7 @@ from plant.faults import Fault
 from runtime.config.hosts import HostName
 from runtime.config.kinds import OneOrMore, Range, Scope
 from runtime.config.specs import Role
-from runtime.config.tree import Node
+from runtime.config.tree import YamlNode
 
 Hosts = Annotated[tuple[HostName, ...], OneOrMore()]
 Seconds = Annotated[float, "s", Range(such_as="2 s", above=0)]
@@ -87,7 +87,7 @@ class ChaosEvent:
         """When it ends [s, plant time]; None if it does not."""
         return None if self.for_ is None else self.at + self.for_
 
-    def check(self, node: Node, scope: Scope) -> None:
+    def check(self, node: YamlNode, scope: Scope) -> None:
         """Refuse an impossible event."""
         if scope["duration"] is not None and self.at >= scope["duration"]:
             at, end = node.find("at"), f"{scope['duration']:g} s"

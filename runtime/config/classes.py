@@ -14,9 +14,9 @@ from agents.paths import Path
 from plant.plant import Plant
 from runtime.config.kinds import Pattern, Scope, Text
 from runtime.config.reading import Field, parameters_of
-from runtime.config.tree import ConfigError, Node
+from runtime.config.tree import ConfigError, YamlNode
 from runtime.errors import nearest, valid_are
-from runtime.processes.node import Node as ProcessNode
+from runtime.processes.node import Node
 from runtime.wire.topics import GOAL_SOURCE, PLANT
 
 
@@ -40,7 +40,7 @@ class ClassName:
     role: ClassVar[str] = ""  # whose process needs the class; empty for the role beside it
 
     @classmethod
-    def from_node(cls, node: Node, scope: Scope) -> Self:
+    def from_node(cls, node: YamlNode, scope: Scope) -> Self:
         """Read the name, and load the class unless only that of another role is wanted."""
         pattern = Pattern(r"\w+(\.\w+)*:\w+", "a class", cls.such_as)
         name = Text(pattern).read(node, scope)
@@ -55,7 +55,7 @@ class ClassName:
             raise node.error(f"{name} cannot be used in a file: {error}") from None
 
     @classmethod
-    def _load(cls, name: str, node: Node, folder: str) -> Callable[..., Any]:
+    def _load(cls, name: str, node: YamlNode, folder: str) -> Callable[..., Any]:
         if folder not in sys.path:
             sys.path.append(folder)
         place, _, attribute = name.partition(":")
@@ -128,11 +128,11 @@ class PlantClass(ClassName):
 class NodeClass(ClassName):
     """A class of nodes."""
 
-    base = ProcessNode
+    base = Node
     such_as = "mine:Camera"
 
 
-def blame(node: Node, build: Callable[[], Any]) -> None:
+def blame(node: YamlNode, build: Callable[[], Any]) -> None:
     """Run `build`, and turn what it says against the values in `node` into their error."""
     try:
         build()

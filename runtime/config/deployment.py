@@ -18,7 +18,7 @@ from runtime.config.random_chaos import RandomChaos
 from runtime.config.reading import Derived, kind_of
 from runtime.config.security import SecuritySpec
 from runtime.config.specs import AgentSpec, Description, GoalSpec, NodeSpec, PlantSpec, Start
-from runtime.config.tree import ConfigError, Node, read_file
+from runtime.config.tree import ConfigError, YamlNode, read_file
 from runtime.errors import valid_are
 from runtime.wire.mesh import FIRST_COPY, SLOTS, Mesh, port_base
 from runtime.wire.security import Credentials
@@ -182,9 +182,9 @@ class Deployment:
         seed = (self.seed, self.slot(role))
         return self.agent(role).build(self.description.robot, self.period, seed)
 
-    def check(self, node: Node, scope: Scope) -> None:
+    def check(self, node: YamlNode, scope: Scope) -> None:
         """Refuse a role given twice, more processes than ports, and chaos for nobody."""
-        first: dict[str, Node] = {}
+        first: dict[str, YamlNode] = {}
         listed = [("agents", one.role, index) for index, one in enumerate(self.agents)]
         listed += [("nodes", one.role, index) for index, one in enumerate(self.nodes)]
         for kind, role, index in listed:
@@ -215,7 +215,7 @@ class Deployment:
         for index, role in enumerate(self.random_chaos.roles if self.random_chaos else ()):
             self._check_role(role, self.chaos_targets, node.find("random_chaos", "roles", index))
 
-    def _check_target(self, event: ChaosEvent, node: Node) -> None:
+    def _check_target(self, event: ChaosEvent, node: YamlNode) -> None:
         """Refuse chaos for who is not there."""
         roles = (*self.roles, LAUNCHER, WATCHER) if event.kill or event.hang else self.roles
         if event.role is not None:
@@ -225,7 +225,7 @@ class Deployment:
                 hint = valid_are(host, self.hosts)
                 raise node.find(index).error(f"there is no host {host!r}{hint}")
 
-    def _check_role(self, role: str, valid: tuple[str, ...], node: Node) -> None:
+    def _check_role(self, role: str, valid: tuple[str, ...], node: YamlNode) -> None:
         if role not in valid:
             raise node.error(f"no process has the role {role!r}{valid_are(role, valid)}")
 

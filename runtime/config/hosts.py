@@ -6,7 +6,7 @@ from typing import Annotated, ClassVar
 
 from runtime.config.kinds import OneOrMore, Pattern, Scope
 from runtime.config.reading import Derived
-from runtime.config.tree import Node
+from runtime.config.tree import YamlNode
 from runtime.errors import valid_are
 from runtime.wire.mesh import LOOPBACK
 
@@ -37,7 +37,7 @@ class HostSpec:
 
     short: ClassVar[str] = "address"
 
-    def check(self, node: Node, scope: Scope) -> None:
+    def check(self, node: YamlNode, scope: Scope) -> None:
         """Refuse an address that is not that of one host."""
         if self.address in _EVERYWHERE:
             what = f"{self.address} is not the address of one host"
@@ -64,7 +64,7 @@ Homes = Annotated[tuple[HostName, ...], OneOrMore(), Derived(lambda scope: (_fir
 """The hosts of a process and of its copies."""
 
 
-def check_homes(names: tuple[str, ...], node: Node, scope: Scope) -> None:
+def check_homes(names: tuple[str, ...], node: YamlNode, scope: Scope) -> None:
     """Refuse an unknown host."""
     hosts = scope["hosts"]
     for index, host in enumerate(names):

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from plant.units import Unit, UnitError, parse_quantity
-from runtime.config.tree import Node
+from runtime.config.tree import YamlNode
 from runtime.errors import valid_are
 
 Scope = Mapping[str, Any]
@@ -32,7 +32,7 @@ class Range(NamedTuple):
     least: float = -math.inf
     most: float = math.inf
 
-    def check(self, value: float, node: Node, unit: str = "") -> None:
+    def check(self, value: float, node: YamlNode, unit: str = "") -> None:
         """Raise the node's error if a value is out of bounds; `unit` is for the message."""
         if self.above < value and self.least <= value <= self.most:
             return
@@ -74,7 +74,7 @@ class Kind(ABC):
         """An example, for messages."""
 
     @abstractmethod
-    def read(self, node: Node, scope: Scope) -> Any:
+    def read(self, node: YamlNode, scope: Scope) -> Any:
         """Read a value.
 
         Args:
@@ -102,7 +102,7 @@ class Quantity(Kind):
         """The example of its range, if it has one."""
         return self.range.such_as if self.range else f"0 {self.unit}".removesuffix(" 1")
 
-    def read(self, node: Node, scope: Scope) -> float:
+    def read(self, node: YamlNode, scope: Scope) -> float:
         """Return the number in SI units."""
         try:
             value = parse_quantity(node.text, self.unit)
@@ -128,7 +128,7 @@ class Whole(Kind):
         """The example of its range, if it has one."""
         return self.range.such_as if self.range else "1"
 
-    def read(self, node: Node, scope: Scope) -> int:
+    def read(self, node: YamlNode, scope: Scope) -> int:
         """Return the number."""
         if not re.fullmatch("[+-]?[0-9]{1,99}", node.text):
             raise node.error(f"{node.text!r} is not a whole number, such as {self.such_as}")
@@ -148,7 +148,7 @@ class Choice(Kind):
         """The first of the words."""
         return next(iter(self.values))
 
-    def read(self, node: Node, scope: Scope) -> Any:
+    def read(self, node: YamlNode, scope: Scope) -> Any:
         """Return the value of the word; case is ignored."""
         word = node.text if node.text in self.values else node.text.lower()
         if word not in self.values:
@@ -167,7 +167,7 @@ class Text(Kind):
         """The example of its pattern, if it has one."""
         return self.pattern.such_as if self.pattern else "text"
 
-    def read(self, node: Node, scope: Scope) -> str:
+    def read(self, node: YamlNode, scope: Scope) -> str:
         """Return the text as it was written."""
         regex, what, _ = self.pattern or (".*", "text", "")
         if not isinstance(node.value, str) or not re.fullmatch(regex, node.value, re.DOTALL):
@@ -186,7 +186,7 @@ class File(Kind):
         """A path."""
         return "runs" if self.output else "path.csv"
 
-    def read(self, node: Node, scope: Scope) -> Path:
+    def read(self, node: YamlNode, scope: Scope) -> Path:
         """Return the absolute path."""
         text = Text(Pattern(".+", "a path", self.such_as)).read(node, scope)
         folder = Path.cwd() if self.output else node.location.folder
@@ -221,7 +221,7 @@ class Items(Kind):
             return self.kinds[0].such_as
         return f"[{', '.join(kind.such_as for kind in self.kinds)}]"
 
-    def read(self, node: Node, scope: Scope) -> tuple[Any, ...]:
+    def read(self, node: YamlNode, scope: Scope) -> tuple[Any, ...]:
         """Return the values."""
         if self.bare and not isinstance(node.value, list):
             return (self.kinds[0].read(node, scope),)
@@ -256,12 +256,12 @@ class Table(Kind):
         """One name with its value."""
         return f"{{{self.key.such_as}: {self.value.such_as}}}"
 
-    def read(self, node: Node, scope: Scope) -> dict[str, Any]:
+    def read(self, node: YamlNode, scope: Scope) -> dict[str, Any]:
         """Return the values by their names, in the order in which they were written."""
         if not isinstance(node.value, dict) or not node.value:
             raise node.error(f"{node.text!r} is not a mapping, such as {self.such_as}")
         for name, child in node.value.items():
-            self.key.read(Node(child.key or child.location, name, name, node), scope)
+            self.key.read(YamlNode(child.key or child.location, name, name, node), scope)
         return {name: self.value.read(child, scope) for name, child in node.value.items()}
 
     def write(self, value: Any) -> dict[str, Any]:
@@ -280,7 +280,7 @@ class Maybe(Kind):
         """The value's example."""
         return self.kind.such_as
 
-    def read(self, node: Node, scope: Scope) -> Any:
+    def read(self, node: YamlNode, scope: Scope) -> Any:
         """Return the value, or None."""
         return None if node.value is None else self.kind.read(node, scope)
 

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import NamedTuple
 
-from runtime.config.tree import ConfigError, Location, Node, parse
+from runtime.config.tree import ConfigError, Location, YamlNode, parse
 
 
 class Override(NamedTuple):
@@ -19,7 +19,7 @@ class Override(NamedTuple):
     path: str
     value: str
 
-    def apply(self, root: Node) -> None:
+    def apply(self, root: YamlNode) -> None:
         """Set the value in a tree, and create missing nodes on the way to it."""
         location = Location(self.source, Path.cwd())
         node, names = root, self.path.split(".")
@@ -32,10 +32,10 @@ class Override(NamedTuple):
             if after is None:
                 node.put(name, parse(self.value, location))
             elif name not in node.children:
-                node.put(name, Node(location, None))
+                node.put(name, YamlNode(location, None))
             node = node.find(name)
 
-    def _key(self, node: Node, name: str) -> str:
+    def _key(self, node: YamlNode, name: str) -> str:
         """Return the key or index of the child that `name` refers to."""
         if isinstance(node.value, list):
             known = {child.role: index for index, child in node.children.items() if child.role}

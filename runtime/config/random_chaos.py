@@ -10,7 +10,7 @@ from runtime.config.chaos import LAUNCHER, WATCHER, ChaosEvent
 from runtime.config.kinds import Range, Scope
 from runtime.config.reading import Derived
 from runtime.config.specs import Role
-from runtime.config.tree import Node
+from runtime.config.tree import YamlNode
 
 Manner = Literal["kill", "hang", "restart"]
 MANNERS: tuple[Manner, ...] = ("kill", "hang", "restart")
@@ -36,7 +36,7 @@ class RandomChaos:
     lasting: tuple[_Seconds, _Seconds] = (0.5, 3.0)
     seed: Annotated[int, Range(such_as="1", least=0), Derived(lambda scope: scope["seed"])]
 
-    def check(self, node: Node, scope: Scope) -> None:
+    def check(self, node: YamlNode, scope: Scope) -> None:
         """Refuse a specification that no faults can be drawn from."""
         if scope["duration"] is None:
             raise node.error("it needs a `duration` of the run")

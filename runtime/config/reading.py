@@ -44,7 +44,7 @@ from runtime.config.kinds import (
     Text,
     Whole,
 )
-from runtime.config.tree import Node
+from runtime.config.tree import YamlNode
 from runtime.errors import nearest
 
 _M = TypeVar("_M")
@@ -94,7 +94,7 @@ class Field:
         """Whether it has no default."""
         return self.default is MISSING and not self.derived and not isinstance(self.kind, Structure)
 
-    def read(self, node: Node, scope: Scope) -> Any:
+    def read(self, node: YamlNode, scope: Scope) -> Any:
         """Return its value in the mapping `node`, or its default."""
         if self.key in node.children:
             return self.kind.read(node.children[self.key], scope)
@@ -103,7 +103,7 @@ class Field:
         if self.default is not MISSING:
             return self.default
         if isinstance(self.kind, Structure):  # which may have defaults for all its keys
-            return self.kind.read(Node(node.location, {}, self.key, node), scope)
+            return self.kind.read(YamlNode(node.location, {}, self.key, node), scope)
         raise node.error(
             f"the key {self.key!r} is missing, such as {self.key}: {self.kind.such_as}"
         )
@@ -141,10 +141,10 @@ class Structure(Kind):
             return first.kind.such_as
         return f"{{{first.key}: {first.kind.such_as}, ...}}"
 
-    def read(self, node: Node, scope: Scope) -> Any:
+    def read(self, node: YamlNode, scope: Scope) -> Any:
         """Return the dataclass, made from the mapping and from defaults."""
         if isinstance(node.value, str) and (short := getattr(self.type, "short", "")):
-            node = Node(node.location, {short: node}, node.name, node.parent, node.key)
+            node = YamlNode(node.location, {short: node}, node.name, node.parent, node.key)
         if not isinstance(node.value, dict):
             raise node.error(f"{node.text!r} is not a mapping, such as {self.such_as}")
         _refuse_others(node, self.fields, allowed=self.rest is not None)
@@ -165,7 +165,9 @@ class Structure(Kind):
             value.check(node, around)
         return value
 
-    def _others(self, node: Node, scope: Scope, fields: "Sequence[Field] | None") -> dict[str, Any]:
+    def _others(
+        self, node: YamlNode, scope: Scope, fields: "Sequence[Field] | None"
+    ) -> dict[str, Any]:
         known = {field.key for field in self.fields}
         if fields is None:
             return {key: n.plain() for key, n in node.children.items() if key not in known}
@@ -203,7 +205,7 @@ class Custom(Kind):
         example: str = self.type.such_as
         return example
 
-    def read(self, node: Node, scope: Scope) -> Any:
+    def read(self, node: YamlNode, scope: Scope) -> Any:
         """Return what the class reads."""
         return self.type.from_node(node, scope)
 
@@ -212,7 +214,7 @@ class Custom(Kind):
         return str(value)
 
 
-def _refuse_others(node: Node, fields: Sequence[Field], allowed: bool = False) -> None:
+def _refuse_others(node: YamlNode, fields: Sequence[Field], allowed: bool = False) -> None:
     """Refuse unknown keys; if others are allowed, only those close to a missing required key."""
     known = [field.key for field in fields]
     missing = [field.key for field in fields if field.required and field.key not in node.children]

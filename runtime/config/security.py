@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import ClassVar, Self
 
 from runtime.config.kinds import Pattern, Scope, Text
-from runtime.config.tree import ConfigError, Node
+from runtime.config.tree import ConfigError, YamlNode
 from runtime.wire.security import Credentials
 from runtime.wire.topics import STANDARD, Contract
 
@@ -28,7 +28,7 @@ class KeyFolder:
     such_as: ClassVar[str] = "keys"
 
     @classmethod
-    def from_node(cls, node: Node, scope: Scope) -> Self:
+    def from_node(cls, node: YamlNode, scope: Scope) -> Self:
         """Read a path that is relative to the file that says it."""
         text = Text(Pattern(".+", "a folder", cls.such_as)).read(node, scope)
         path = os.path.abspath(node.location.folder / os.path.expanduser(text))

@@ -18,9 +18,9 @@ from runtime.config.classes import AgentClass, NodeClass, PathClass, PlantClass,
 from runtime.config.hosts import Home, Homes, check_homes
 from runtime.config.kinds import Pattern, Range, Scope, Text
 from runtime.config.reading import Derived, Rest
-from runtime.config.tree import Location, Node
+from runtime.config.tree import Location, YamlNode
 from runtime.errors import valid_are
-from runtime.processes.node import Node as ProcessNode
+from runtime.processes.node import Node
 from runtime.wire.security import OPERATOR
 from runtime.wire.topics import Topic
 
@@ -41,7 +41,7 @@ class Description:
     such_as: ClassVar[str] = "arph"
 
     @classmethod
-    def from_node(cls, node: Node, scope: Scope) -> Self:
+    def from_node(cls, node: YamlNode, scope: Scope) -> Self:
         """Load the robot; a path is relative to the file that says it."""
         source = Text(None).read(node, scope)
         if Path(source).suffix or os.sep in source:
@@ -61,7 +61,7 @@ def _rest(scope: Scope) -> Any:
 
 def _kinematic(scope: Scope) -> PlantClass:
     place = Location("the default plant", scope["folder"])
-    return PlantClass.from_node(Node(place, PlantClass.such_as), scope)
+    return PlantClass.from_node(YamlNode(place, PlantClass.such_as), scope)
 
 
 def _home(scope: Scope) -> tuple[float, ...]:
@@ -90,7 +90,7 @@ class Start:
         """Where the base stands: x [m], y [m] and heading [rad] in the world."""
         return self.platform or (0.0, 0.0, 0.0)
 
-    def check(self, node: Node, scope: Scope) -> None:
+    def check(self, node: YamlNode, scope: Scope) -> None:
         """Refuse a posture that the robot cannot take."""
         robot: Robot = scope["description"].robot
         if len(self.joints) != robot.n:
@@ -134,7 +134,7 @@ class PlantSpec:
         plant: Plant = self.class_.make(setup, **self.parameters)
         return plant
 
-    def check(self, node: Node, scope: Scope) -> None:
+    def check(self, node: YamlNode, scope: Scope) -> None:
         """Refuse an unknown host, a hold that is too short, and what the class refuses."""
         check_homes((self.host,), node, scope)
         period = scope["period"]
@@ -165,7 +165,7 @@ class GoalSpec:
         path: GoalPath = self.class_.make(**self.parameters)
         return path
 
-    def check(self, node: Node, scope: Scope) -> None:
+    def check(self, node: YamlNode, scope: Scope) -> None:
         """Refuse parameters that the class refuses, and a host that is not there."""
         check_homes((self.host,), node, scope)
         if self.class_.is_loaded:
@@ -203,7 +203,7 @@ class AgentSpec:
         agent: Agent = self.class_.make(Body(robot, self.joint, period, seed), **self.parameters)
         return agent
 
-    def check(self, node: Node, scope: Scope) -> None:
+    def check(self, node: YamlNode, scope: Scope) -> None:
         """Refuse a role that the robot has no part for, and parameters that the class refuses."""
         robot: Robot = scope["description"].robot
         valid = [f"joint/{index + 1}" for index in range(robot.n)]
@@ -242,12 +242,12 @@ class NodeSpec:
         """What it publishes; loads its class."""
         return tuple(each._replace(publisher=self.role) for each in self.class_.load().topics)
 
-    def build(self) -> ProcessNode:
+    def build(self) -> Node:
         """Make the node."""
-        node: ProcessNode = self.class_.make(**self.parameters)
+        node: Node = self.class_.make(**self.parameters)
         return node
 
-    def check(self, node: Node, scope: Scope) -> None:
+    def check(self, node: YamlNode, scope: Scope) -> None:
         """Refuse a name that is taken, a host that is not there, and what the class refuses."""
         if self.role.partition("/")[0] in _TAKEN:
             what = f"{self.role!r} is not for a node to be called; take another, such as camera"

@@ -42,7 +42,7 @@ class Location(NamedTuple):
 
 
 @dataclass(eq=False)
-class Node:
+class YamlNode:
     """A value, a list or a mapping as it was written.
 
     Attributes:
@@ -54,9 +54,9 @@ class Node:
     """
 
     location: Location
-    value: "str | list[Node] | dict[str, Node] | None"
+    value: "str | list[YamlNode] | dict[str, YamlNode] | None"
     name: str = ""
-    parent: "Node | None" = field(default=None, repr=False)
+    parent: "YamlNode | None" = field(default=None, repr=False)
     key: Location | None = None
 
     @property
@@ -84,7 +84,7 @@ class Node:
         return " ".join((self.value or "").split())
 
     @property
-    def children(self) -> "dict[str, Node]":
+    def children(self) -> "dict[str, YamlNode]":
         """Its children, by key or by index as text; empty for a plain value."""
         if isinstance(self.value, list):
             return {str(index): node for index, node in enumerate(self.value)}
@@ -95,7 +95,7 @@ class Node:
         parts = str(location or self.location), self.path, " ".join(message.splitlines())
         return ConfigError(": ".join(filter(None, parts)))
 
-    def find(self, *names: str | int) -> "Node":
+    def find(self, *names: str | int) -> "YamlNode":
         """Return the node at a path, or the last existing one on the way to it."""
         node = self
         for name in names:
@@ -110,7 +110,7 @@ class Node:
             return {key: node.plain() for key, node in self.value.items()}
         return [node.plain() for node in self.value] if isinstance(self.value, list) else self.value
 
-    def put(self, name: str, node: "Node") -> None:
+    def put(self, name: str, node: "YamlNode") -> None:
         """Set a child of a mapping by key, or of a list by index, where `+` appends."""
         if isinstance(self.value, list):
             if name == "+":
@@ -124,7 +124,7 @@ class Node:
         node.name, node.parent = name, self
 
 
-def read_file(file: str | os.PathLike[str]) -> Node:
+def read_file(file: str | os.PathLike[str]) -> YamlNode:
     """Read a YAML file.
 
     Raises:
@@ -148,7 +148,7 @@ def read_file(file: str | os.PathLike[str]) -> Node:
     return parse(text, Location(source, Path(os.path.abspath(source)).parent, 1, 1))
 
 
-def parse(text: str, start: Location) -> Node:
+def parse(text: str, start: Location) -> YamlNode:
     """Parse YAML into a tree; expand aliases and merge keys.
 
     Args:
@@ -183,13 +183,13 @@ class _Builder:
     def __init__(self, text: str, start: Location) -> None:
         self.events: Iterator[Any] = iter(yaml.parse(text, Loader=_LOADER))
         self.start = start
-        self.anchors: dict[str, Node] = {}
+        self.anchors: dict[str, YamlNode] = {}
         self.count = 0
 
-    def document(self) -> Node:
+    def document(self) -> YamlNode:
         next(self.events)  # the start of the stream
         if isinstance(next(self.events), yaml.StreamEndEvent):
-            return Node(self.start, None)
+            return YamlNode(self.start, None)
         root = self.node(next(self.events), 0)
         next(self.events)  # the end of the document
         after = next(self.events)
@@ -205,7 +205,7 @@ class _Builder:
         mark = event.start_mark
         return self.start._replace(line=mark.line + 1, column=mark.column + 1)
 
-    def node(self, event: Any, depth: int) -> Node:
+    def node(self, event: Any, depth: int) -> YamlNode:
         location = self.location(event)
         self.count_nodes(1, depth, location)
         if isinstance(event, yaml.AliasEvent):
@@ -217,19 +217,19 @@ class _Builder:
             raise ConfigError(f"{location}: the tag {event.tag} is not allowed; remove it")
         if isinstance(event, yaml.ScalarEvent):
             empty = event.implicit[0] and event.value in _NULLS
-            node = Node(location, None if empty else event.value)
+            node = YamlNode(location, None if empty else event.value)
         elif isinstance(event, yaml.SequenceStartEvent):
-            node = Node(location, [])
+            node = YamlNode(location, [])
             while not isinstance(item := next(self.events), yaml.SequenceEndEvent):
                 node.put("+", self.node(item, depth + 1))
         else:
-            node = self.mapping(Node(location, {}), depth)
+            node = self.mapping(YamlNode(location, {}), depth)
         if event.anchor is not None:
             self.anchors[event.anchor] = node
         return node
 
-    def mapping(self, node: Node, depth: int) -> Node:
-        merged: list[Node] = []
+    def mapping(self, node: YamlNode, depth: int) -> YamlNode:
+        merged: list[YamlNode] = []
         while not isinstance(event := next(self.events), yaml.MappingEndEvent):
             location = self.location(event)
             if not isinstance(event, yaml.ScalarEvent):
@@ -253,10 +253,10 @@ class _Builder:
                     node.put(key, self.copy(child, depth))
         return node
 
-    def copy(self, node: Node, depth: int) -> Node:
+    def copy(self, node: YamlNode, depth: int) -> YamlNode:
         """Copy an anchor's node to an alias."""
         self.count_nodes(1, depth, node.location)
-        copy = Node(node.location, node.value, key=node.key)
+        copy = YamlNode(node.location, node.value, key=node.key)
         if isinstance(node.value, list | dict):
             copy.value = type(node.value)()
             for name, child in node.children.items():

@@ -9,7 +9,7 @@ import yaml
 
 from runtime.config.kinds import Output, Pattern, Range, Scope
 from runtime.config.reading import Derived, Field, Rest, kind_of, parameters_of
-from runtime.config.tree import ConfigError, Location, Node, parse
+from runtime.config.tree import ConfigError, Location, YamlNode, parse
 
 START = Location("x.yaml", Path("/"), 1, 1)
 
@@ -120,7 +120,7 @@ class Colour:
         self.code = code
 
     @classmethod
-    def from_node(cls, node: Node, scope: Scope) -> Self:
+    def from_node(cls, node: YamlNode, scope: Scope) -> Self:
         if not node.text.startswith("#"):
             raise node.error(f"{node.text} has no #")
         return cls(node.text)
@@ -134,7 +134,7 @@ class Wheel:
     size: Annotated[float, "m", Range("10 cm", above=0)]
     spokes: int = 5
 
-    def check(self, node: Node, scope: Scope) -> None:
+    def check(self, node: YamlNode, scope: Scope) -> None:
         if self.spokes > scope["most"]:
             raise node.find("spokes").error(f"{self.spokes} spokes, of {scope['most']} at most")
 

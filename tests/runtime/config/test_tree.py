@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from runtime.config.overrides import Override
-from runtime.config.tree import ConfigError, Location, Node, parse, read_file
+from runtime.config.tree import ConfigError, Location, YamlNode, parse, read_file
 
 START = Location("x.yaml", Path("/"), 1, 1)
 
@@ -139,7 +139,7 @@ def test_a_byte_order_mark_is_no_part_of_the_file(tmp_path: Path) -> None:
 TEXT = "a: {b: 1}\nlist: [{role: r, k: 1}, {role: s}]\nnone:\nplain: 2\n"
 
 
-def override(path: str, value: str) -> Node:
+def override(path: str, value: str) -> YamlNode:
     root = parse(TEXT, START)
     Override(f"--set {path}={value}", path, value).apply(root)
     return root
