@@ -22,13 +22,13 @@ from runtime.wire.topics import GOAL_SOURCE, PLANT
 
 @dataclass(frozen=True)
 class ClassName:
-    """A class by its name, and what a file may say of it.
+    """A class that a deployment names, and its parameters.
 
     Attributes:
         name: As written, `module:Class`.
         load: Imports the module and returns the class.
-        parameters: Its keyword-only parameters; None if it is not loaded, in a process that has
-            nothing to do with it.
+        parameters: Its keyword-only parameters; None if it is not loaded, in a process of another
+            role.
     """
 
     name: str
@@ -37,7 +37,7 @@ class ClassName:
 
     base: ClassVar[type[Any]]
     such_as: ClassVar[str]
-    role: ClassVar[str] = ""  # whose process needs the class; empty for the role beside it
+    role: ClassVar[str] = ""  # the role that needs the class; empty for the role given beside it
 
     @classmethod
     def from_node(cls, node: YamlNode, scope: Scope) -> Self:
@@ -58,26 +58,27 @@ class ClassName:
     def _load(cls, name: str, node: YamlNode, folder: str) -> Callable[..., Any]:
         if folder not in sys.path:
             sys.path.append(folder)
-        place, _, attribute = name.partition(":")
+        module_name, _, attribute = name.partition(":")
         try:
-            module = importlib.import_module(place)
+            module = importlib.import_module(module_name)
         except Exception as error:  # a module may do anything when it is imported
             missing = error.name if isinstance(error, ModuleNotFoundError) else None
-            if missing is None or not f"{place}.".startswith(f"{missing}."):
+            if missing is None or not f"{module_name}.".startswith(f"{missing}."):
                 what = f"{type(error).__name__}: {error}"
-                raise node.error(f"module {place} cannot be imported: {what}") from error
+                raise node.error(f"module {module_name} cannot be imported: {what}") from error
             ours = importlib.import_module(cls.base.__module__.partition(".")[0])
             hint = nearest(
-                place, [m.name for m in pkgutil.iter_modules(ours.__path__, f"{ours.__name__}.")]
+                module_name,
+                [m.name for m in pkgutil.iter_modules(ours.__path__, f"{ours.__name__}.")],
             )
-            what = f"there is no module {place!r}, neither installed nor in {folder}"
+            what = f"there is no module {module_name!r}, neither installed nor in {folder}"
             raise node.error(what + hint) from None
         valid: dict[str, Any] = {n: c for n, c in vars(module).items() if cls._fits(c)}
         if attribute not in valid:
             base = cls.base.__name__
             derive = f"; derive one from {cls.base.__module__}:{base}"
             hint = valid_are(attribute, valid) if valid else derive
-            raise node.error(f"{place} has no {base} class {attribute!r}{hint}")
+            raise node.error(f"{module_name} has no {base} class {attribute!r}{hint}")
         found: Callable[..., Any] = valid[attribute]
         return found
 
@@ -93,7 +94,7 @@ class ClassName:
         return self.parameters is not None
 
     def make(self, *positional: Any, **parameters: Any) -> Any:
-        """Make one; `ConfigError` in a process that has nothing to do with it."""
+        """Make an object of the class, or raise `ConfigError` if it is not loaded."""
         if not self.is_loaded:
             raise ConfigError("this deployment was loaded for another role, without this class")
         return self.load()(*positional, **parameters)
@@ -133,7 +134,7 @@ class NodeClass(ClassName):
 
 
 def blame(node: YamlNode, build: Callable[[], Any]) -> None:
-    """Run `build`, and turn what it says against the values in `node` into their error."""
+    """Run `build`, and turn its exceptions into errors at the values in `node`."""
     try:
         build()
     except Exception as error:  # a user's constructor may do anything

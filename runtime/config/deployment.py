@@ -1,4 +1,4 @@
-"""What is to run: a robot, its agents, where they are led, and what goes wrong on the way."""
+"""A deployment: a robot, its processes and hosts, its goal, and its chaos schedule."""
 
 import os
 from collections.abc import Iterable, Mapping
@@ -30,7 +30,13 @@ Port = Annotated[int, Range(such_as="7600", least=1024, most=65536 - SLOTS)]
 
 
 class ProcessSpec(NamedTuple):
-    """A process of a deployment: its role, its host, and whether it is a copy of another."""
+    """A process of a deployment.
+
+    Attributes:
+        role: Its role.
+        host: Name of its host.
+        copy: Whether it is a further process of a role, a standby.
+    """
 
     role: str
     host: str
@@ -39,34 +45,33 @@ class ProcessSpec(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class Deployment:
-    """All that the processes of one robot need to know to start.
+    """What the processes of one robot need to know to start.
 
     Attributes:
-        robot: Its name on the network, which keeps robots apart.
-        description: The name of a robot that comes with MSMA, or the path of a URDF file.
-        period: How often the plant and the agents act [s].
-        duration: The run ends after so long [s]; without it, it goes on until it is stopped.
-        tolerance: How near the goal is near enough [m].
-        seed: What decides all that is random.
-        speed: How many times as fast as real time the plant runs.
-        patience: A process that has heard no plant for so long [s] ends.
-        port: The first of 128 ports that are the robot's; by default it follows from its name.
-        scheduling: The priority of the processes. With `realtime` they go before other programs,
-            and fail where the system does not grant that; with `auto` they do where it is granted.
-        runs: The folder for what is recorded.
-        modules: A folder with classes of the user's own; by default the one of this file.
-        hosts: The machines that it runs on; without them all is on this one, and no other machine
-            can reach it.
-        security: Who may join; without it, whoever can reach its ports, to do anything.
-        routers: Address and port of Zenoh routers of your own, by which all talk instead of with
-            each other; one is enough, and if one fails they take another.
-        start: Where the robot stands at first.
-        plant: What moves as commanded: by default a simulated robot.
-        goal: The path that the goal takes; without one, an operator moves it.
-        agents: The agents, each with a process of its own.
-        nodes: Other processes, such as a camera or a page, without which the robot runs too.
-        chaos: What goes wrong on the way.
-        random_chaos: What more goes wrong, at random; once drawn it is part of `chaos`.
+        robot: Name of the robot on the network, which keeps robots apart.
+        description: Name of a robot that comes with MSMA, or path of a URDF file.
+        period: Control period of the plant and the agents [s].
+        duration: Duration of the run [s, plant time]; by default it runs until it is stopped.
+        tolerance: Largest error at the end that counts as reaching the goal [m].
+        seed: Seed of everything random.
+        speed: Plant time per real time.
+        patience: Processes end after this time without a message from the plant [s].
+        port: The first of the robot's 128 ports; by default it follows from its name.
+        scheduling: Priority of the processes: `normal`, `realtime` (fails where the system does not
+            grant it), or `auto` (real-time where it is granted).
+        runs: Folder of the runs' folders.
+        modules: Folder with your own classes; by default that of the deployment file.
+        hosts: The machines that it runs on; by default this one alone, out of reach of others.
+        security: Who may join; by default anyone who can reach its ports, with all rights.
+        routers: Addresses and ports of your own Zenoh routers, which carry all traffic; one is
+            enough, and if it fails the processes switch to another.
+        start: The initial state of the robot.
+        plant: What executes the commands; by default a simulated robot.
+        goal: The path of the goal; without it an operator publishes the goal.
+        agents: The agents; each has a process of its own.
+        nodes: Other processes, such as a camera or a page, that the robot does not need.
+        chaos: The chaos events.
+        random_chaos: Random faults in addition; once drawn they are part of `chaos`.
     """
 
     robot: Name
@@ -101,17 +106,17 @@ class Deployment:
 
     @property
     def chaos_targets(self) -> tuple[str, ...]:
-        """All processes that chaos may hit without hitting the robot itself."""
+        """The targets of random faults: all processes but the plant."""
         return (*self.roles[1:], LAUNCHER, WATCHER)
 
     def slot(self, role: str) -> int:
-        """Return the role's place among the robot's ports, or raise `ConfigError`."""
+        """Return the index of a role among the robot's ports, or raise `ConfigError`."""
         if role not in self.roles:
             raise ConfigError(f"no process has the role {role!r}{valid_are(role, self.roles)}")
         return self.roles.index(role)
 
     def host_of(self, role: str) -> str:
-        """Return the name of the host that the role has its process on."""
+        """Return the name of the host of a role."""
         if role == "plant":
             return self.plant.host
         if role == "goal" and self.goal is not None:
@@ -121,7 +126,7 @@ class Deployment:
 
     @property
     def processes(self) -> tuple[ProcessSpec, ...]:
-        """All processes that there are: one of each role, and then the copies."""
+        """All processes: one of each role, and then the copies."""
         first = [ProcessSpec(role, self.host_of(role)) for role in self.roles]
         hosts = list(self.hosts)
         copies = []
@@ -135,22 +140,23 @@ class Deployment:
         return (*first, *copies)
 
     def check_share(self, host: str) -> None:
-        """Raise `ConfigError` if nothing of this runs on that host."""
+        """Raise `ConfigError` if no process runs on a host."""
         busy = dict.fromkeys(one.host for one in self.processes)
         if host not in busy:
             raise ConfigError(f"no process runs on a host {host!r}{valid_are(host, busy)}")
 
     @property
     def mesh(self) -> Mesh:
-        """Where its processes find each other."""
+        """The addresses and ports of its processes."""
         homes = tuple(self.hosts[self.host_of(role)].address for role in self.roles)
         hosts = tuple(host.address for host in self.hosts.values())
         return Mesh(self.port, homes, hosts, self.routers)
 
     def credentials(self, name: str) -> Credentials | None:
-        """Return what a role, or an operator, shows the others; None where nobody asks for it.
+        """Return the credentials of a role or of `OPERATOR`; None without `security`.
 
-        Raises `ConfigError` if its files are missing, and says how to create them.
+        Raises:
+            ConfigError: Its files are missing; the message says how to create them.
         """
         if self.security is None:
             return None
@@ -166,7 +172,7 @@ class Deployment:
         return Contract(topic for node in self.nodes for topic in node.topics)
 
     def agent(self, role: str) -> AgentSpec:
-        """Return the agent in that role, or raise `ConfigError`."""
+        """Return the specification of an agent, or raise `ConfigError`."""
         agents = {agent.role: agent for agent in self.agents}
         if role not in agents:
             raise ConfigError(f"there is no agent {role!r}{valid_are(role, agents)}")
@@ -178,7 +184,7 @@ class Deployment:
         return self.plant.build(self.description.robot, self.start, self.period, seed)
 
     def build_agent(self, role: str) -> Agent:
-        """Make the agent in that role; the seed and its slot decide what is random in it."""
+        """Make an agent; its random numbers follow from the seed and its slot."""
         seed = (self.seed, self.slot(role))
         return self.agent(role).build(self.description.robot, self.period, seed)
 
@@ -216,7 +222,7 @@ class Deployment:
             self._check_role(role, self.chaos_targets, node.find("random_chaos", "roles", index))
 
     def _check_target(self, event: ChaosEvent, node: YamlNode) -> None:
-        """Refuse chaos for who is not there."""
+        """Refuse chaos for an unknown role or host."""
         roles = (*self.roles, LAUNCHER, WATCHER) if event.kill or event.hang else self.roles
         if event.role is not None:
             self._check_role(event.role, roles, node)
@@ -230,14 +236,14 @@ class Deployment:
             raise node.error(f"no process has the role {role!r}{valid_are(role, valid)}")
 
     def drawn(self) -> "Deployment":
-        """Return it with the random chaos drawn, as a part of the rest."""
+        """Return the deployment with its random faults drawn, as a part of `chaos`."""
         if self.random_chaos is None or self.duration is None:
             return self
         events = self.random_chaos.draw(self.chaos_targets, self.duration)
         return replace(self, chaos=(*self.chaos, *events), random_chaos=None)
 
     def dump(self) -> str:
-        """Return it as YAML that loads to an equal one from anywhere, with every default."""
+        """Return YAML that loads to an equal deployment in any folder, including defaults."""
         plain = kind_of(Deployment).write(self)
         text: str = yaml.safe_dump(plain, sort_keys=False, default_flow_style=None, width=100)
         return text
@@ -246,11 +252,16 @@ class Deployment:
 def load(
     file: str | os.PathLike[str], overrides: Iterable[Override] = (), only_role: str | None = None
 ) -> Deployment:
-    """Read a deployment file, with some values replaced.
+    """Read a deployment file.
 
-    With `only_role`, the classes of other roles are neither imported nor checked, which is what a
-    process in that role needs. Every mistake raises a `ConfigError` that names the file, line and
-    column, or the override, and says what would be valid.
+    Args:
+        file: The file.
+        overrides: Values that replace those in the file.
+        only_role: Do not import or check the classes of other roles.
+
+    Raises:
+        ConfigError: The deployment is not valid. The message names the file, line and column, or
+            the override, and says what would be valid.
     """
     root = read_file(file)
     for override in overrides:

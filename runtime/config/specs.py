@@ -1,4 +1,4 @@
-"""The parts of a deployment: what each may say, and what is checked about it."""
+"""The parts of a deployment, and the checks of each."""
 
 import math
 import os
@@ -26,14 +26,19 @@ from runtime.wire.topics import Topic
 
 Role = Annotated[str, Pattern("[a-z][a-z0-9_-]*(/[0-9]+)?", "a role", "joint/1")]
 _TAKEN = ("plant", "goal", "joint", "platform", "launcher", "watcher", "successor", OPERATOR, "ca")
-"""What no node may be called: other processes, logs and certificates have these names."""
+"""Reserved role names: those of other processes, logs and certificates."""
 Metres = Annotated[float, "m"]
 Radians = Annotated[float, "rad"]
 
 
 @dataclass(frozen=True)
 class Description:
-    """A robot and where its description comes from: the name of one of ours, or a path."""
+    """The description of a robot.
+
+    Attributes:
+        source: Name of one of our robots, or the path of a URDF file.
+        robot: The robot.
+    """
 
     source: str
     robot: Robot = field(compare=False, repr=False)
@@ -42,7 +47,7 @@ class Description:
 
     @classmethod
     def from_node(cls, node: YamlNode, scope: Scope) -> Self:
-        """Load the robot; a path is relative to the file that says it."""
+        """Load the robot; a path is relative to the file that names it."""
         source = Text(None).read(node, scope)
         if Path(source).suffix or os.sep in source:
             source = os.path.abspath(node.location.folder / os.path.expanduser(source))
@@ -60,8 +65,8 @@ def _rest(scope: Scope) -> Any:
 
 
 def _kinematic(scope: Scope) -> PlantClass:
-    place = Location("the default plant", scope["folder"])
-    return PlantClass.from_node(YamlNode(place, PlantClass.such_as), scope)
+    location = Location("the default plant", scope["folder"])
+    return PlantClass.from_node(YamlNode(location, PlantClass.such_as), scope)
 
 
 def _home(scope: Scope) -> tuple[float, ...]:
@@ -75,11 +80,11 @@ def _origin(scope: Scope) -> tuple[float, float, float] | None:
 
 @dataclass(frozen=True, kw_only=True)
 class Start:
-    """Where the robot stands at first.
+    """The initial state of the robot.
 
     Attributes:
-        joints: Angle of each joint [rad]; by default 0, or the nearest to it within the limits.
-        platform: x [m], y [m] and heading [rad] in the world; None for a robot without a drive.
+        joints: Angle of each joint [rad]; by default 0, clipped to the limits.
+        platform: Pose of the platform in the world: x [m], y [m], heading [rad]; None without one.
     """
 
     joints: Annotated[tuple[Radians, ...], Derived(_home)]
@@ -87,7 +92,7 @@ class Start:
 
     @property
     def base(self) -> tuple[float, float, float]:
-        """Where the base stands: x [m], y [m] and heading [rad] in the world."""
+        """Pose of the base in the world: x [m], y [m], heading [rad]."""
         return self.platform or (0.0, 0.0, 0.0)
 
     def check(self, node: YamlNode, scope: Scope) -> None:
@@ -109,16 +114,16 @@ class Start:
 
 @dataclass(frozen=True, kw_only=True)
 class PlantSpec:
-    """What moves as commanded.
+    """What executes the commands.
 
     Attributes:
-        class_: A class of plants, `module:Class`, by default a simulated robot without masses; its
-            parameters are given beside it.
-        hold: A command older than this [s] counts no more: the joint is brought to rest.
-            By default 4 periods.
-        host: Where it runs, by default on the first host.
-        parameters: Those parameters in SI, with the defaults; as written if the class was not
-            loaded, being another role's.
+        class_: A class of plants, `module:Class`, by default a kinematic simulation; its parameters
+            are given beside it.
+        hold: Age up to which a command is in force [s]; then the joint is brought to rest. By
+            default 4 periods.
+        host: Its host; by default the first one.
+        parameters: The parameters in SI units, with defaults; as written if the class is that of
+            another role and not loaded.
     """
 
     class_: Annotated[PlantClass, Derived(_kinematic)]
@@ -129,13 +134,13 @@ class PlantSpec:
     parameters: Annotated[Mapping[str, Any], Rest(_rest)]
 
     def build(self, robot: Robot, start: Start, period: float, seed: Sequence[int]) -> Plant:
-        """Make the plant, not connected to anything yet, with a control period [s]."""
+        """Make the plant, not connected yet, with a control period [s]."""
         setup = Setup(robot, start.joints, start.platform, period=period, seed=seed)
         plant: Plant = self.class_.make(setup, **self.parameters)
         return plant
 
     def check(self, node: YamlNode, scope: Scope) -> None:
-        """Refuse an unknown host, a hold that is too short, and what the class refuses."""
+        """Refuse an unknown host, a short hold, and parameters that the class refuses."""
         check_homes((self.host,), node, scope)
         period = scope["period"]
         if self.hold < period:
@@ -148,12 +153,12 @@ class PlantSpec:
 
 @dataclass(frozen=True, kw_only=True)
 class GoalSpec:
-    """The path that the goal takes.
+    """The path of the goal.
 
     Attributes:
         class_: A class of paths, `module:Class`; its parameters are given beside it.
-        host: Where it runs, by default on the first host.
-        parameters: Those parameters in SI, with the defaults.
+        host: Its host; by default the first one.
+        parameters: The parameters in SI units, with defaults.
     """
 
     class_: PathClass
@@ -166,7 +171,7 @@ class GoalSpec:
         return path
 
     def check(self, node: YamlNode, scope: Scope) -> None:
-        """Refuse parameters that the class refuses, and a host that is not there."""
+        """Refuse an unknown host, and parameters that the class refuses."""
         check_homes((self.host,), node, scope)
         if self.class_.is_loaded:
             blame(node, self.build)
@@ -179,11 +184,11 @@ class AgentSpec:
     Attributes:
         role: What it moves: joint/1, joint/2 and so on, or platform.
         class_: A class of agents, `module:Class`; its parameters are given beside it.
-        host: Where it runs, by default on the first host; of copies a list of hosts, by default
-            that one and those after it.
-        copies: How many processes have the role at once: one is obeyed, the others stand by.
-        parameters: Those parameters in SI, with the defaults; as written if the class was not
-            loaded, being another role's.
+        host: Its host, by default the first one; with copies a list of hosts, by default that one
+            and those after it.
+        copies: Number of processes in the role; all but one are standbys.
+        parameters: The parameters in SI units, with defaults; as written if the class is that of
+            another role and not loaded.
     """
 
     role: Role
@@ -194,17 +199,17 @@ class AgentSpec:
 
     @property
     def joint(self) -> int | None:
-        """Index from 0 of the joint that it moves, None for the platform."""
+        """Index of its joint from 0; None for the platform."""
         _, numbered, number = self.role.partition("/")
         return int(number) - 1 if numbered else None
 
     def build(self, robot: Robot, period: float, seed: Sequence[int]) -> Agent:
-        """Make the agent, as a part of that robot, with a control period [s]."""
+        """Make the agent for a robot and a control period [s]."""
         agent: Agent = self.class_.make(Body(robot, self.joint, period, seed), **self.parameters)
         return agent
 
     def check(self, node: YamlNode, scope: Scope) -> None:
-        """Refuse a role that the robot has no part for, and parameters that the class refuses."""
+        """Refuse an unknown role or host, and parameters that the class refuses."""
         robot: Robot = scope["description"].robot
         valid = [f"joint/{index + 1}" for index in range(robot.n)]
         if robot.drive:
@@ -222,14 +227,14 @@ class AgentSpec:
 
 @dataclass(frozen=True, kw_only=True)
 class NodeSpec:
-    """One process of the user's own, such as a camera, a recorder or a page.
+    """A process of the user's own, such as a camera, a recorder or a page.
 
     Attributes:
         role: Its name, such as camera.
         class_: A class of nodes, `module:Class`; its parameters are given beside it.
-        host: Where it runs, by default on the first host.
-        parameters: Those parameters in SI, with the defaults; as written if the class was not
-            loaded, being another role's.
+        host: Its host; by default the first one.
+        parameters: The parameters in SI units, with defaults; as written if the class is that of
+            another role and not loaded.
     """
 
     role: Role
@@ -239,7 +244,7 @@ class NodeSpec:
 
     @property
     def topics(self) -> tuple[Topic, ...]:
-        """What it publishes; loads its class."""
+        """The topics that it publishes; loads its class."""
         return tuple(each._replace(publisher=self.role) for each in self.class_.load().topics)
 
     def build(self) -> Node:
@@ -248,9 +253,9 @@ class NodeSpec:
         return node
 
     def check(self, node: YamlNode, scope: Scope) -> None:
-        """Refuse a name that is taken, a host that is not there, and what the class refuses."""
+        """Refuse a reserved role, an unknown host, and parameters that the class refuses."""
         if self.role.partition("/")[0] in _TAKEN:
-            what = f"{self.role!r} is not for a node to be called; take another, such as camera"
+            what = f"{self.role!r} is a reserved name; choose another, such as camera"
             raise node.find("role").error(what)
         check_homes((self.host,), node, scope)
         if self.class_.is_loaded:

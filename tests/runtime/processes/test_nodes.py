@@ -104,9 +104,9 @@ def test_a_node_that_fails_at_its_start_ends_no_run(robot: Robot) -> None:
         ("role: camera, class: mine:Camera, rat: 1", "unknown key 'rat'; did you mean 'rate'?"),
         ("role: camera, class: mine:Camra", "mine has no Node class 'Camra'; did you mean"),
         ("role: camera, class: mine:Camera, host: arm", "there is no host 'arm'"),
-        ("role: plant, class: mine:Camera", "'plant' is not for a node to be called"),
-        ("role: joint/9, class: mine:Camera", "'joint/9' is not for a node to be called"),
-        ("role: operator, class: mine:Camera", "'operator' is not for a node to be called"),
+        ("role: plant, class: mine:Camera", "'plant' is a reserved name"),
+        ("role: joint/9, class: mine:Camera", "'joint/9' is a reserved name"),
+        ("role: operator, class: mine:Camera", "'operator' is a reserved name"),
         (
             "role: eye, class: mine:Camera}\n  - {role: e, class: mine:Camera",
             "has that key already",
