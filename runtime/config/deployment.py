@@ -168,8 +168,11 @@ class Deployment:
 
     @property
     def contract(self) -> Contract:
-        """The topics of this robot; loads the classes of its nodes."""
-        return Contract(topic for node in self.nodes for topic in node.topics)
+        """The topics of this robot; loads the classes of its plant and nodes."""
+        own = [*self.plant.topics]
+        for node in self.nodes:
+            own += node.topics
+        return Contract(own)
 
     def agent(self, role: str) -> AgentSpec:
         """Return the specification of an agent, or raise `ConfigError`."""
@@ -210,12 +213,14 @@ class Deployment:
             what = f"{copies} copies of agents; at most {SLOTS - FIRST_COPY}"
             raise node.find("agents").error(what)
         own: list[Topic] = []
-        for index, spec in enumerate(self.nodes):
-            own += spec.topics if spec.class_.is_loaded else ()
+        specs: list[PlantSpec | NodeSpec] = [self.plant, *self.nodes]
+        for index, spec in enumerate(specs):
             try:
+                own += spec.topics if spec.class_.is_loaded else ()
                 Contract(own)
             except ContractError as error:
-                raise node.find("nodes", index, "class").error(str(error)) from None
+                path = ("nodes", index - 1) if index else ("plant",)
+                raise node.find(*path, "class").error(str(error)) from None
         for index, event in enumerate(self.chaos):
             self._check_target(event, node.find("chaos", index, event.action))
         for index, role in enumerate(self.random_chaos.roles if self.random_chaos else ()):

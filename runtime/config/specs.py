@@ -21,6 +21,7 @@ from runtime.config.reading import Derived, Rest
 from runtime.config.tree import Location, YamlNode
 from runtime.errors import valid_are
 from runtime.processes.node import Node
+from runtime.wire.own_topics import topic_of
 from runtime.wire.security import OPERATOR
 from runtime.wire.topics import Topic
 
@@ -132,6 +133,11 @@ class PlantSpec:
     ]
     host: Home
     parameters: Annotated[Mapping[str, Any], Rest(_rest)]
+
+    @property
+    def topics(self) -> tuple[Topic, ...]:
+        """What its own sensors publish; loads its class."""
+        return tuple(map(topic_of, self.class_.load().sensors))
 
     def build(self, robot: Robot, start: Start, period: float, seed: Sequence[int]) -> Plant:
         """Make the plant, not connected yet, with a control period [s]."""

@@ -50,7 +50,7 @@ class PlantNode(Node):
             on_change=self._log_change,
         )
         self._answers = answers or AnswerTimes()
-        self._publisher = StatePublisher(process.bus)
+        self._publisher = StatePublisher(process.bus, self._plant.sensors)
         self._motion_log = MotionLog(robot)
         self._goal = GoalMemory(process.bus, process.refusals)
         self._faults: deque[Fault] = deque()
