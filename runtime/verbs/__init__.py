@@ -1,1 +1,1 @@
-"""The verbs of the `msma` command, a module each: a docstring, `add_arguments` and `run`."""
+"""The verbs of the `msma` command: modules with a docstring, `add_arguments` and `run`."""

@@ -1,4 +1,4 @@
-"""Be one process of a running robot, here and now: an agent, the goal source or the plant."""
+"""Run one process of a robot in this terminal: an agent, the goal source, the plant or a node."""
 
 import argparse
 from pathlib import Path
@@ -11,29 +11,33 @@ from runtime.processes.roles import live
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the file, the role, and where to log."""
+    """Add the file, the role and the folder of the log."""
     add_deployment_options(parser)
-    parser.add_argument("role", metavar="ROLE", help="such as joint/2, platform, goal or plant")
+    parser.add_argument(
+        "role", metavar="ROLE", help="role, such as joint/2, platform, goal or plant"
+    )
     parser.add_argument(
         "--run",
         metavar="FOLDER",
         type=Path,
-        help="folder of the log; by default that of the robot's running processes, or a new one",
+        help="folder for the log (default: that of the running processes, or a new one)",
     )
     parser.add_argument(
         "--copy",
         action="store_true",
-        help="run beside the process that has this role: it takes over, the other stands by",
+        help="run beside the process in this role, which becomes a standby",
     )
-    parser.add_argument("--host", metavar="NAME", help="on which host a copy runs, if not there")
+    parser.add_argument(
+        "--host", metavar="NAME", help="with --copy: the host that this is, if not the role's own"
+    )
 
 
 def run(args: argparse.Namespace) -> int:
-    """Live until the run ends, somebody stops it, or no plant is heard for too long."""
+    """Run until the run ends, it is stopped, or the plant is silent for too long."""
     deployment = load_from(args, only_role=args.role)
     if args.host is not None and (not args.copy or args.host not in deployment.hosts):
         hint = valid_are(args.host, deployment.hosts)
-        raise ConfigError(f"--host {args.host}: it goes with --copy, on a host of the file{hint}")
+        raise ConfigError(f"--host {args.host}: needs --copy and a host of the file{hint}")
     home = args.host or deployment.host_of(args.role)
     member = ProcessSpec(args.role, home, copy=args.copy)
     return live(deployment, member, Path(args.file), args.run)

@@ -1,4 +1,4 @@
-"""Print the messages on a key as they come, decoded, a line of JSON each."""
+"""Print the messages on a topic, decoded, as lines of JSON."""
 
 import argparse
 import json
@@ -11,20 +11,22 @@ from runtime.wire import topics
 from runtime.wire.messages import unpack, unpack_map
 from runtime.wire.refusals import MessageError
 
-_DEPTH = 1000  # messages that may wait to be printed
+_DEPTH = 1000  # messages waiting to be printed
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add which robot, which keys and how many."""
+    """Add the topic, the number of messages and the options that name a robot."""
     parser.add_argument(
-        "key", metavar="KEY", help="such as goal, arm/ee_pose, arm/joint/*/cmd, or ** for all"
+        "topic", metavar="TOPIC", help="such as goal, arm/ee_pose, arm/joint/*/cmd, or ** for all"
     )
-    parser.add_argument("-n", metavar="COUNT", type=int, default=0, help="end after so many")
+    parser.add_argument(
+        "-n", metavar="COUNT", type=int, default=0, help="stop after this many messages"
+    )
     add_target_options(parser)
 
 
 def run(args: argparse.Namespace) -> int:
-    """Print until there were enough, or Ctrl-C."""
+    """Print until there were enough messages, or Ctrl-C."""
     waiting: queue.Queue[tuple[str, bytes]] = queue.Queue(_DEPTH)
 
     def take(key: str, data: bytes) -> None:
@@ -32,7 +34,7 @@ def run(args: argparse.Namespace) -> int:
             waiting.put_nowait((key, data))
 
     with visit(target_of(args)) as bus:
-        bus.subscribe(args.key, take)
+        bus.subscribe(args.topic, take)
         count = 0
         while count < args.n or not args.n:
             print(decoded(*waiting.get()), flush=True)
@@ -41,9 +43,9 @@ def run(args: argparse.Namespace) -> int:
 
 
 def decoded(key: str, data: bytes) -> str:
-    """Return a message as JSON with the names that it has on the wire, or why it is none.
+    """Return a message as JSON with its names on the wire, or with the error in it.
 
-    A topic of the robot's own is printed as it is, of bounded size.
+    A message on a topic of the robot's own is printed as it is, up to a limit of its size.
     """
     topic = topics.STANDARD.topic_of(key)
     try:

@@ -1,4 +1,4 @@
-"""Break something in a running simulated robot, or mend it."""
+"""Inject a fault into a running simulated robot, or clear it."""
 
 import argparse
 
@@ -9,15 +9,17 @@ from runtime.wire import topics
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add which robot and what breaks."""
+    """Add the fault and the options that name a robot."""
     parser.add_argument(
-        "fault", metavar="FAULT", help="such as joint/1:locked, encoder/2:lost or joint/1:ok"
+        "fault",
+        metavar="FAULT",
+        help="such as joint/1:locked or encoder/2:lost; joint/1:ok clears all faults of joint 1",
     )
     add_target_options(parser)
 
 
 def run(args: argparse.Namespace) -> int:
-    """Ask the plant for it; 2 if there is no such fault, 1 if there is no plant."""
+    """Request the fault from the plant; print its answer."""
     with visit(target_of(args)) as bus:
         answers = bus.ask(topics.FAULT, args.fault.encode())
     if not answers:

@@ -1,4 +1,4 @@
-"""Measure how often messages come on a key, and how evenly."""
+"""Measure the rate and jitter of the messages on a topic."""
 
 import argparse
 import time
@@ -10,35 +10,37 @@ from runtime.watching.discovery import add_target_options, target_of, visit
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add which robot, which keys and how long."""
-    parser.add_argument("key", metavar="KEY", help="such as arm/ee_pose or arm/joint/*/cmd")
+    """Add the topic, the duration and the options that name a robot."""
+    parser.add_argument("topic", metavar="TOPIC", help="such as arm/ee_pose or arm/joint/*/cmd")
     parser.add_argument(
-        "--seconds", metavar="S", type=float, default=3.0, help="how long to listen"
+        "--seconds", metavar="S", type=float, default=3.0, help="duration (default: 3)"
     )
     add_target_options(parser)
 
 
 def run(args: argparse.Namespace) -> int:
-    """Listen and say; 1 if nothing came."""
-    heard: dict[str, list[float]] = {}
+    """Subscribe for a while, and print a line for each topic."""
+    arrivals: dict[str, list[float]] = {}
     with visit(target_of(args)) as bus:
-        bus.subscribe(args.key, lambda key, _: heard.setdefault(key, []).append(time.monotonic()))
+        bus.subscribe(
+            args.topic, lambda key, _: arrivals.setdefault(key, []).append(time.monotonic())
+        )
         time.sleep(args.seconds)
-    if not heard:
-        raise RunError(f"nothing came on {args.key} in {args.seconds:g} s")
-    for key, times in sorted(heard.items()):
+    if not arrivals:
+        raise RunError(f"no messages on {args.topic} in {args.seconds:g} s")
+    for key, times in sorted(arrivals.items()):
         print(f"{key}: {evenness(times)}")
     return 0
 
 
 def evenness(times: list[float]) -> str:
-    """Return rate and intervals of arrivals at `times` [s], for people."""
+    """Return the rate and intervals of arrivals at `times` [s] as text."""
     intervals = [after - before for before, after in pairwise(times)]
     if not intervals:
         return "1 message"
     rate = len(intervals) / (times[-1] - times[0])
     least, most, jitter = (1e3 * x for x in (min(intervals), max(intervals), pstdev(intervals)))
     return (
-        f"{rate:.5g} Hz over {len(times)} messages; between two {least:.3g} to {most:.3g} ms, "
+        f"{rate:.5g} Hz over {len(times)} messages; intervals {least:.3g} to {most:.3g} ms, "
         f"standard deviation {jitter:.3g} ms"
     )

@@ -1,4 +1,4 @@
-"""Kill the process of a role, as a crash would: the others do not notice."""
+"""Kill the process of a role on this host with SIGKILL."""
 
 import argparse
 import signal
@@ -8,13 +8,15 @@ from runtime.watching.local import process_in
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add which robot and which role."""
-    parser.add_argument("role", metavar="ROLE", help="such as joint/2; it must run on this host")
+    """Add the role and the options that name a robot."""
+    parser.add_argument(
+        "role", metavar="ROLE", help="role, such as joint/2; its process must run on this host"
+    )
     add_target_options(parser)
 
 
 def run(args: argparse.Namespace) -> int:
-    """Kill it, of copies the one that is obeyed; 1 if it is not there."""
+    """Kill the process; of several copies the one whose commands are accepted."""
     with visit(target_of(args)) as bus:
         process = process_in(bus, args.role)
         process.send(signal.SIGKILL)

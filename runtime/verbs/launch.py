@@ -1,4 +1,7 @@
-"""Start the processes of a robot, stay with them to the end of the run, and say how it went."""
+"""Start the processes of a robot, show its run, and report the outcome.
+
+Exit codes: 0 if the hand ends within tolerance of the goal, 3 if it does not, 1 if the run failed.
+"""
 
 import argparse
 from collections.abc import Callable, Sequence
@@ -17,21 +20,23 @@ if TYPE_CHECKING:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the file, its overrides, and which hosts' processes to start how."""
+    """Add the file, its overrides, and the options for several hosts."""
     add_deployment_options(parser)
-    group = parser.add_argument_group("which hosts", "by default all is started on this one")
+    group = parser.add_argument_group("hosts", "By default all processes start on this host.")
     which = group.add_mutually_exclusive_group()
-    which.add_argument("--host", metavar="NAME", help="start this host's share only")
-    which.add_argument("--ssh", action="store_true", help="start each host's share by ssh")
+    which.add_argument(
+        "--host", metavar="NAME", help="start only the processes of this host of the file"
+    )
+    which.add_argument("--ssh", action="store_true", help="start the processes of each host by ssh")
     which.add_argument(
         "--rehearse",
         action="store_true",
-        help="make the hosts on this machine, on a network that chaos can break; takes root",
+        help="start virtual hosts on this machine, on a network that chaos can impair; needs root",
     )
 
 
 def run(args: argparse.Namespace) -> int:
-    """Launch; 0 if the hand ends within tolerance of the goal, 3 if it does not."""
+    """Launch the robot, print a summary, and return its exit code."""
     deployment = load_from(args)
     if args.rehearse:
         return _rehearse(deployment)
@@ -40,8 +45,8 @@ def run(args: argparse.Namespace) -> int:
     if args.host is not None:
         deployment.check_share(args.host)
     folder = prepare(deployment, host=args.host)
-    course = Launcher(deployment, folder, _screen_of(deployment), host=args.host).go()
-    return _close(deployment, folder, course, [] if args.host is None else ["--host", args.host])
+    outcome = Launcher(deployment, folder, _screen_of(deployment), host=args.host).go()
+    return _close(deployment, folder, outcome, [] if args.host is None else ["--host", args.host])
 
 
 def _rehearse(deployment: Deployment) -> int:
@@ -53,8 +58,8 @@ def _rehearse(deployment: Deployment) -> int:
         folder = prepare(deployment, network)
         network.build(folder)
         processes = RemoteProcesses(folder, network.hosts, away=False)
-        course = Launcher(deployment, folder, _screen_of(deployment), network, processes).go()
-    return _close(deployment, folder, course, ["--rehearse"])
+        outcome = Launcher(deployment, folder, _screen_of(deployment), network, processes).go()
+    return _close(deployment, folder, outcome, ["--rehearse"])
 
 
 def _by_ssh(deployment: Deployment) -> int:
@@ -64,8 +69,8 @@ def _by_ssh(deployment: Deployment) -> int:
     folder = prepare(deployment)
     with connect(deployment, folder) as hosts:
         processes = RemoteProcesses(folder, hosts, away=True)
-        course = Launcher(deployment, folder, _screen_of(deployment), processes=processes).go()
-    return _close(deployment, folder, course, ["--ssh"])
+        outcome = Launcher(deployment, folder, _screen_of(deployment), processes=processes).go()
+    return _close(deployment, folder, outcome, ["--ssh"])
 
 
 def _screen_of(deployment: Deployment) -> "Callable[[], Screen]":
@@ -78,10 +83,10 @@ def _screen_of(deployment: Deployment) -> "Callable[[], Screen]":
 
 
 def _close(
-    deployment: Deployment, folder: "Path", course: "RunOutcome", again: Sequence[str]
+    deployment: Deployment, folder: "Path", outcome: "RunOutcome", again: Sequence[str]
 ) -> int:
     from runtime.results.finishing import close
 
-    summary, picture = close(deployment, folder, course, again)
-    say(f"{summary.text()}\n{picture}".rstrip())
+    summary, plot = close(deployment, folder, outcome, again)
+    say(f"{summary.text()}\n{plot}".rstrip())
     return summary.code

@@ -1,4 +1,4 @@
-"""Start the process of a role again, in the run that goes on; it outlives this command."""
+"""Start the process of a role again in a running robot."""
 
 import argparse
 import time
@@ -8,13 +8,13 @@ from runtime.watching.discovery import add_target_options
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add which robot and which role."""
-    parser.add_argument("role", metavar="ROLE", help="such as joint/2")
+    """Add the role and the options that name a robot."""
+    parser.add_argument("role", metavar="ROLE", help="role, such as joint/2")
     add_target_options(parser)
 
 
 def run(args: argparse.Namespace) -> int:
-    """Start it and wait until it is there; 1 if it does not come."""
+    """Start the process, and wait until it has joined the robot."""
     began = time.monotonic()
     with ForkServer(args.role) as forkserver:  # it imports while this one looks for the robot
         from runtime.watching.discovery import target_of

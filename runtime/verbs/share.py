@@ -1,4 +1,4 @@
-"""Start and end processes on this host as a launcher elsewhere says: for `msma launch --ssh`."""
+"""Start and end processes on this host for `msma launch --ssh` on another host."""
 
 import argparse
 
@@ -6,10 +6,10 @@ from runtime.spawning.host_server import serve
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the name that shows in the list of processes."""
-    parser.add_argument("host", metavar="HOST", help="the name of this host in the deployment")
+    """Add the name of the host, for the list of processes."""
+    parser.add_argument("host", metavar="HOST", help="name of this host in the deployment")
 
 
 def run(args: argparse.Namespace) -> int:
-    """Take orders on standard input until there are no more."""
+    """Serve requests on standard input until it closes."""
     return serve(stays=True)

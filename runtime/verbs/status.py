@@ -1,4 +1,4 @@
-"""Show how a running robot and each of its processes are."""
+"""Show the state of a running robot and of each of its processes."""
 
 import argparse
 import json
@@ -14,26 +14,26 @@ from runtime.watching.table import HEADINGS, cells, columns, distance
 from runtime.watching.watcher import View, Watcher
 
 _FRAME, _LEAST = 0.25, 0.01
-"""Between two pictures [s]: when nothing happens, and however much happens."""
-_HAND = 0.3  # [s] to wait for where the hand is
+"""Longest and shortest time between two frames [s]."""
+_HAND = 0.3  # [s] to wait for the hand's position
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add which robot, and how to show it."""
+    """Add the options that name a robot, and the form of the output."""
     add_target_options(parser)
     how = parser.add_mutually_exclusive_group()
-    how.add_argument("--watch", action="store_true", help="go on until Ctrl-C")
-    how.add_argument("--json", action="store_true", help="for programs; SI units")
+    how.add_argument("--watch", action="store_true", help="update until Ctrl-C")
+    how.add_argument("--json", action="store_true", help="print JSON, in SI units")
 
 
 def run(args: argparse.Namespace) -> int:
-    """Show it; 1 if nothing of it runs."""
+    """Print the state once, or show it until Ctrl-C."""
     target = target_of(args)
     with visit(target) as bus:
         watcher = Watcher(bus)
         watcher.ask_all()
         if args.watch:
-            setproctitle(watcher_title(target.robot))  # chaos finds it so
+            setproctitle(watcher_title(target.robot))  # by which chaos finds it
             _watch(watcher)
         view = _glance(watcher)
         silent = silent_roles(diags(bus))
@@ -45,7 +45,7 @@ def run(args: argparse.Namespace) -> int:
 
 
 def _glance(watcher: Watcher) -> View:
-    """Look once the hand and the goal were told, if they are."""
+    """Return the view once hand and goal are known, or after a while without them."""
     until = time.monotonic() + _HAND
     view = watcher.look()
     while (view.error is None or not view.t) and time.monotonic() < until:

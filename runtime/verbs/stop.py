@@ -1,4 +1,4 @@
-"""Ask a running robot to stop, all of it or one role, and see that it does."""
+"""Stop a running robot, or one of its roles."""
 
 import argparse
 import time
@@ -8,18 +8,20 @@ from runtime.watching.discovery import add_target_options, target_of, visit
 from runtime.wire import topics
 from runtime.wire.bus import Bus
 
-_PATIENCE = 3.0  # [s] for all to be gone
+_PATIENCE = 3.0  # [s] for all processes to end
 _ANSWER = 1.0  # [s]
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add which robot and which role."""
-    parser.add_argument("role", metavar="ROLE", nargs="?", help="by default all")
+    """Add the role and the options that name a robot."""
+    parser.add_argument(
+        "role", metavar="ROLE", nargs="?", help="role, such as joint/2 (default: all)"
+    )
     add_target_options(parser)
 
 
 def run(args: argparse.Namespace) -> int:
-    """Stop it; 1 if it does not."""
+    """Request the stop, and wait until the processes have ended."""
     with visit(target_of(args)) as bus:
         wanted = _tokens(bus, args.role)
         if not wanted:
@@ -30,13 +32,13 @@ def run(args: argparse.Namespace) -> int:
             time.sleep(0.05)
     if left:
         roles = ", ".join(sorted(_role(token) for token in left))
-        raise RunError(f"{roles}: does not stop; `msma kill ROLE` ends what hangs")
+        raise RunError(f"{roles}: does not stop; use `msma kill ROLE` for a process that hangs")
     print(f"stopped: {', '.join(sorted(_role(token) for token in wanted))}")
     return 0
 
 
 def _tokens(bus: Bus, role: str | None) -> set[str]:
-    """Return the tokens of those alive in a role, or of all."""
+    """Return the liveliness tokens of a role, or of all roles."""
     return {token for token in bus.who_is_alive() if role is None or _role(token) == role}
 
 
