@@ -1,4 +1,4 @@
-"""A batch of simulated robots of which each has faults of its own."""
+"""A batch of simulated robots, each with its own faults."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -14,15 +14,15 @@ from plant.robot import Array, Robot
 
 @dataclass(frozen=True, eq=False)
 class BatchFaults:
-    """Motors that are at fault from a moment on: the joints of each robot of a batch.
+    """Motor faults of each robot of a batch.
 
     Attributes:
-        locked: (..., n) angle to which the joint runs and where it jams [rad], as
-            `joint/N:locked=ANGLE`; NaN for a joint that does not.
-        strength: (..., n) share of the commanded speed that it makes, as `joint/N:weak`; 0 stops
-            it where it is, as `joint/N:locked` does and an agent that is killed.
+        locked: (..., n) angle to which the joint moves and at which it then jams [rad], as by
+            `joint/N:locked=ANGLE`; NaN for none.
+        strength: (..., n) share of the commanded speed that the joint makes, as by `joint/N:weak`;
+            0 stops it where it is, as `joint/N:locked` and a killed agent do.
         platform: (...) the same for the platform's speeds.
-        since: (...) when it begins [s].
+        since: (...) when the faults begin [s].
     """
 
     locked: Array
@@ -32,7 +32,7 @@ class BatchFaults:
 
     @classmethod
     def none(cls, robot: Robot, count: int) -> "BatchFaults":
-        """No faults, from time 0, for a batch of `count`; its arrays are there to be written."""
+        """Return no faults for a batch of `count`; the caller writes into the arrays."""
         return cls(
             np.full((count, robot.n), np.nan),
             np.ones((count, robot.n)),
@@ -41,27 +41,27 @@ class BatchFaults:
         )
 
     def part(self, rows: slice) -> "BatchFaults":
-        """Those of some robots of the batch."""
+        """Return the faults of some robots of the batch."""
         return BatchFaults(
             self.locked[rows], self.strength[rows], self.platform[rows], self.since[rows]
         )
 
 
 class BatchPlant(KinematicPlant):
-    """The kinematic plant with faults that differ from robot to robot, so that maps take minutes.
+    """The kinematic plant with faults that differ from robot to robot.
 
-    The same motion as with the plant's own faults, robot by robot: a test holds it to that.
+    Each robot moves as with the same faults in a simulation of its own.
     """
 
     def __init__(self, setup: Setup, each: BatchFaults, faults: Iterable[Fault] = ()) -> None:
-        """Begin with the faults `each` of the robots of the batch, and the `faults` of all."""
+        """Make the plant; `each` holds the faults of each robot, `faults` those of all."""
         q = np.broadcast_to(setup.q, (*each.since.shape, setup.robot.n))
         super().__init__(replace(setup, q=q), faults)
         self._each = each
         self._endless = np.isinf(self.robot.upper)
 
     def write(self, commands: Commands) -> None:
-        """Take the commands for the coming period, as the broken motors carry them out."""
+        """Apply the commands for the coming period as the faulty motors execute them."""
         (t, q, *_), each = self.truth(), self._each
         begun = t >= each.since - self.period / 1000
         top = self.robot.max_speed

@@ -8,38 +8,38 @@ import numpy as np
 from agents.agent import Agent
 from studies.baselines.central import as_agents
 from studies.baselines.mim import Mim
-from studies.goal_runs import LENGTH, MARGIN, GoalRuns, follow, go
+from studies.goal_runs import LENGTH, MARGIN, GoalRuns, run_goals, run_paths
 from studies.mobile import ARPH, msma
 from studies.study import Claim, Findings, Progress, Row, Study, share
 
 GOALS = 50
-LASTING = 3.0  # [s] bar on a deadlock
+LONGEST_STALL = 3.0  # [s] bar
 
 
 @dataclass(frozen=True)
 class DirectionsFound(Findings):
-    """What the study found."""
+    """Results of the study."""
 
     paths: GoalRuns
     points: GoalRuns
 
 
 class Directions(Study[DirectionsFound]):
-    """26 straight paths and 50 standing goals, with MSMA and, for comparison, with MIM."""
+    """26 straight paths and 50 fixed goals, with MSMA and, for comparison, with MIM."""
 
     name = "directions"
-    title = "All directions: paths and goals ahead, beside, behind, above and under the arm"
+    title = "All directions: paths and goals ahead, beside, behind, above and below the arm"
 
     def measure(self, size: float, progress: Progress) -> DirectionsFound:
-        """Follow the paths, and go to a share `size` of the standing goals."""
+        """Run the paths, and a share `size` of the fixed goals."""
         count = max(round(GOALS * size), 4)
         progress.begin(4)
         progress.step("paths", 1)
-        paths = follow(msma)
+        paths = run_paths(msma)
         progress.step("goals", 1)
-        points = go(msma, count)
+        points = run_goals(msma, count)
         progress.step("MIM", 2)
-        paths_mim, points_mim = follow(_mim), go(_mim, count)
+        paths_mim, points_mim = run_paths(_mim), run_goals(_mim, count)
         return DirectionsFound(
             rows=(
                 *_rows("paths", paths),
@@ -51,9 +51,9 @@ class Directions(Study[DirectionsFound]):
                 Claim(
                     "the deadlock in which platform and shoulder turn against each other is "
                     "detected and left (4.1)",
-                    f"{int(paths.entered.sum() + points.entered.sum())} times no progress for a "
-                    f"second or more, {int(paths.left.sum() + points.left.sum())} times it was "
-                    f"left, the longest took {max(paths.stuck.max(), points.stuck.max()):.1f} s",
+                    f"{int(paths.entered.sum() + points.entered.sum())} stalls of a second "
+                    f"or more, of which {int(paths.left.sum() + points.left.sum())} ended; the "
+                    f"longest took {max(paths.stuck.max(), points.stuck.max()):.1f} s",
                 ),
                 Claim(
                     "the platform always goes forward (4.1)",
@@ -62,12 +62,12 @@ class Directions(Study[DirectionsFound]):
                 ),
             ),
             notes=(
-                f"Paths: at 7.28 cm/s from the start, {LENGTH} m long or until {100 * MARGIN:g} cm "
-                "from the floor or from the arm's highest. Goals: anywhere within 3 m of the "
-                "hand's start and the same heights, standing still from time 0. All of them are "
-                "within reach: the platform can be anywhere, and the arm can have those heights.",
-                "No progress: more than 98 % of the distance is left after a second, and more "
-                "than 1 cm.",
+                f"Paths: 7.28 cm/s from the start, {LENGTH} m long or up to {100 * MARGIN:g} cm "
+                "from the floor or from the largest height of the hand. Goals: fixed from time 0, "
+                "uniform within 3 m of the hand's start and at the same heights. All of them are "
+                "reachable: the platform can be anywhere, and the arm reaches those heights.",
+                "Stall: after a second more than 98 % of the distance is left, and it is more than "
+                "1 cm.",
                 _misses("paths", paths),
                 _misses("goals", points),
             ),
@@ -76,10 +76,10 @@ class Directions(Study[DirectionsFound]):
         )
 
     def draw(self, found: DirectionsFound, folder: Path) -> tuple[Path, ...]:
-        """Write the map of the ways, and what they took."""
-        from studies.drawing.directions import ways
+        """Draw the paths on a map, and the measures of all runs."""
+        from studies.drawing.directions import directions
 
-        return (ways(found.paths, found.points, folder / "directions.png"),)
+        return (directions(found.paths, found.points, folder / "directions.png"),)
 
 
 def _mim() -> dict[str, Agent]:
@@ -87,16 +87,16 @@ def _mim() -> dict[str, Agent]:
 
 
 def _rows(name: str, runs: GoalRuns) -> tuple[Row, ...]:
-    done, can = int(runs.success.sum()), runs.success.size
+    done, count = int(runs.success.sum()), runs.success.size
     back, straight = runs.reversed.max(), runs.stretched.max()
     _, *others = _shown(name, runs)
     return (
-        Row(f"within 3 mm at the end, {name}", "100 % of the reachable", share(done, can),
-            done == can),
-        Row(f"longest deadlock, {name}", f"at most {LASTING:g} s", f"{runs.stuck.max():.1f} s",
-            bool(runs.stuck.max() <= LASTING)),
+        Row(f"within 3 mm at the end, {name}", "100 % of the reachable", share(done, count),
+            done == count),
+        Row(f"longest stall, {name}", f"at most {LONGEST_STALL:g} s", f"{runs.stuck.max():.1f} s",
+            bool(runs.stuck.max() <= LONGEST_STALL)),
         Row(f"farthest in reverse, {name}", "none", f"{back:.3f} m", bool(back == 0.0)),
-        Row(f"longest with the elbow under 15 deg, {name}", "never",
+        Row(f"longest time with the elbow below 15 deg, {name}", "never",
             f"{straight:.1f} s ({int((runs.stretched > 0).sum())} of {len(runs.labels)} runs)",
             bool(straight == 0.0)),
         *others,
@@ -108,12 +108,12 @@ def _shown(name: str, runs: GoalRuns) -> tuple[Row, ...]:
     time = f"{np.median(came):.1f} s, {came.max():.1f} s" if came.size else "never"
     return (
         Row(f"within 3 mm at the end, {name}", "", share(runs.success.sum(), runs.success.size)),
-        Row(f"time until it stays within 3 mm, median and most, {name}", "", time),
-        Row(f"the platform's way, median and most, {name}", "",
+        Row(f"time until it stays within 3 mm, median and maximum, {name}", "", time),
+        Row(f"length of the platform's path, median and maximum, {name}", "",
             f"{np.median(runs.length):.2f} m, {runs.length.max():.2f} m"),
         Row(f"runs with cusps, {name}", "", str(int((runs.cusps > 0).sum()))),
         Row(f"SPARC of the hand, median, {name}", "", f"{np.median(runs.sparc):.2f}"),
-        Row(f"times without progress, entered and left, {name}", "",
+        Row(f"stalls, and those that ended, {name}", "",
             f"{runs.entered.sum()}, {runs.left.sum()}"),
     )  # fmt: skip
 
@@ -124,10 +124,10 @@ def _misses(name: str, runs: GoalRuns) -> str:
         faults = []
         if not runs.success[row]:
             faults.append(f"{1e3 * runs.trace[row].error[-1]:.1f} mm left")
-        if runs.stuck[row] > LASTING:
-            faults.append(f"{runs.stuck[row]:.1f} s without progress")
+        if runs.stuck[row] > LONGEST_STALL:
+            faults.append(f"{runs.stuck[row]:.1f} s stalled")
         if runs.stretched[row] > 0:
-            faults.append(f"elbow under 15 deg for {runs.stretched[row]:.1f} s")
+            faults.append(f"elbow below 15 deg for {runs.stretched[row]:.1f} s")
         if faults:
             words.append(f"{label}: {', '.join(faults)}")
-    return f"{name}: " + ("; ".join(words) if words else "nothing missed") + "."
+    return f"{name}: " + ("; ".join(words) if words else "all bars met") + "."

@@ -1,4 +1,4 @@
-"""The cells of the fault map: what is broken in each, how MSMA does, and what could be done."""
+"""The cells of the fault map: their faults, MSMA's results, and whether the goal is reachable."""
 
 from collections.abc import Mapping
 from itertools import combinations, product
@@ -17,26 +17,26 @@ from studies.mobile_reach import Bools, high_enough
 from studies.platform_measures import acquisition, reversal, wrapped
 
 TOLERANCE = 0.003
-"""Of the paper, at 60 ms [m]."""
+"""The paper's tolerance at 60 ms [m]."""
 MID = 8.0
-"""When joints break in mid-path [s]."""
+"""Time of mid-path faults [s]."""
 RANGES = (
     np.arange(-180.0, 180.0, 10.0),
     np.arange(-60.0, 151.0, 10.0),
     np.arange(-150.0, 151.0, 10.0),
 )
-"""Every 10 deg of the range of joints 1 to 3 [deg]."""
+"""Lock angles of joints 1 to 3, each 10 deg of their ranges [deg]."""
 
 
 class Cells(NamedTuple):
-    """C runs of the paper's task that differ in what is broken.
+    """C runs of the paper's task with different faults.
 
     Attributes:
-        name: Of the map.
-        labels: (C,) in words.
-        locks: (C, 3) angles at which joints 1 to 3 are locked [rad], NaN where they are not.
-        each: Their faults.
-        q: (C, 6) their starts [rad].
+        name: Name of the map.
+        labels: (C,) text for each cell.
+        locks: (C, 3) angles at which joints 1 to 3 are locked [rad]; NaN for free joints.
+        each: Faults of each cell.
+        q: (C, 6) joint angles at the start [rad].
     """
 
     name: str
@@ -46,27 +46,28 @@ class Cells(NamedTuple):
     q: Array
 
     def part(self, rows: slice) -> "Cells":
-        """Some of them."""
+        """Return some of the cells."""
         return Cells(
             self.name, self.labels[rows], self.locks[rows], self.each.part(rows), self.q[rows]
         )
 
 
 class Outcome(NamedTuple):
-    """How the cells went, (C,) each.
+    """Results of C cells, (C,) each.
 
     Attributes:
-        acquired: Time after the fault from which the hand is within tolerance [s]; inf for never.
-        worst: Largest error from there on [m]; inf for never.
+        acquired: Time after the fault at which the goal is acquired [s]; infinite if never.
+        worst: Largest error from then on [m]; infinite if never.
         final: Error at the end [m].
-        growing: Whether the error was larger in the last two seconds than in those before.
-        coming: Whether it was less than half of that.
-        slides: How far the hand moves on the level for each metre that the one joint left to lift
-            it lifts it, at the end [m/m]; NaN where shoulder and elbow, or neither, are left.
-        reversed: Distance that the platform went backwards [m].
+        growing: Whether the error in the last two seconds exceeds that of the two before.
+        coming: Whether it is less than half of that.
+        slides: Horizontal motion of the hand for each metre of height, at the end, by the only
+            joint left that changes the height [m/m]; NaN unless exactly one of shoulder and elbow
+            is free.
+        reversed: Distance in reverse [m].
         elbow: Least angle of the elbow from straight after acquisition [rad].
-        possible: When a plan is on the path, after the fault [s]; inf where none is known.
-        high: Whether the height can be had at all.
+        possible: When a plan is on the path, after the fault [s]; infinite if none is known.
+        high: Whether the arm can reach the height of the path.
     """
 
     acquired: Array
@@ -82,33 +83,33 @@ class Outcome(NamedTuple):
 
     @property
     def reachable(self) -> Bools:
-        """Where a plan proves that a controller could do it."""
+        """Cells in which a plan proves that a controller could follow the path."""
         return np.isfinite(self.possible)
 
     @property
     def success(self) -> Bools:
-        """Where the hand ends within tolerance."""
+        """Cells in which the hand ends within tolerance."""
         fine: Bools = self.final <= TOLERANCE
         return fine
 
     @property
     def share(self) -> float:
-        """Of the reachable cells, how many end within tolerance."""
+        """Share of the reachable cells that end within tolerance."""
         return float(self.success[self.reachable].mean()) if self.reachable.any() else 1.0
 
 
 class Map(NamedTuple):
-    """Some cells, and how they went."""
+    """Cells with their results."""
 
     cells: Cells
     outcome: Outcome
 
 
 def single_locks(since: float) -> Cells:
-    """Each of joints 1 to 3 locked at every 10 deg of its range: 89 cells.
+    """Return 89 cells: each of joints 1 to 3 locked at each 10 deg of its range.
 
-    From the start (`since` 0) the arm starts with the joint at that angle; later, the joint runs
-    there from where it is, and jams.
+    With `since` 0 the arm starts with the joint at that angle; later, the joint moves to that angle
+    and jams.
     """
     rows = [(joint, angle) for joint in range(3) for angle in RANGES[joint]]
     locks = np.full((len(rows), 3), np.nan)
@@ -119,7 +120,7 @@ def single_locks(since: float) -> Cells:
 
 
 def pair_locks(since: float = MID) -> Cells:
-    """Every pair of joints 1 to 3 locked at every 10 deg of their ranges: 2590 cells."""
+    """Return 2590 cells: each pair of joints 1 to 3 locked at each 10 deg of their ranges."""
     rows = [
         (pair, angles)
         for pair in combinations(range(3), 2)
@@ -132,7 +133,7 @@ def pair_locks(since: float = MID) -> Cells:
 
 
 def killed_agents() -> Cells:
-    """Each joint agent, and each pair, killed at every second second: the joints rest there."""
+    """Return cells in which one or two joint agents are killed, every two seconds."""
     rows = [
         (dead, float(at))
         for dead in [(0,), (1,), (2,), (0, 1), (0, 2), (1, 2)]
@@ -153,7 +154,7 @@ def killed_agents() -> Cells:
 
 
 def half_speeds() -> Cells:
-    """Joints 1 to 3, one, two or all at half speed, from the start and from mid-path."""
+    """Return cells with one, two or all of joints 1 to 3 at half speed, from two times on."""
     rows = [
         (slow, since)
         for count in (1, 2, 3)
@@ -192,21 +193,21 @@ def _locked(name: str, locks: Array, since: float) -> Cells:
     return Cells(name, labels, locks, each, q)
 
 
-def play(
+def simulate(
     cells: Cells,
     *,
     agents: Mapping[str, Agent] | None = None,
     perception: Perception = "auto",
     every: int = 1,
 ) -> Trace:
-    """Run all the cells at once, with MSMA or with the given agents."""
+    """Run all cells as one batch, with MSMA or with the given agents."""
     robots = plant(cells.q, each=cells.each)
-    minds = msma(perception=perception) if agents is None else agents
-    return run(robots, minds, task().piece, DURATION, every=every)
+    controllers = msma(perception=perception) if agents is None else agents
+    return run(robots, controllers, task().piece, DURATION, every=every)
 
 
 def outcome(cells: Cells, trace: Trace, possible: tuple[Array, Bools]) -> Outcome:
-    """Judge the runs of the cells; `possible` is what `oracle` says of them."""
+    """Return the results of the cells from their runs and the answer of `oracle`."""
     since = cells.each.since
     parts = [
         acquisition(
@@ -239,15 +240,15 @@ def outcome(cells: Cells, trace: Trace, possible: tuple[Array, Bools]) -> Outcom
 
 def _slides(cells: Cells, trace: Trace) -> Array:
     arm = kinematics_of(ARPH).forward(trace.q[-1], trace.base[-1])
-    ways = np.cross(arm.axes[:, 1:3], (arm.tip[:, None] - arm.points)[:, 1:3])  # for each radian
-    slides = np.hypot(ways[..., 0], ways[..., 1]) / np.maximum(np.abs(ways[..., 2]), 1e-9)
+    motion = np.cross(arm.axes[:, 1:3], (arm.tip[:, None] - arm.points)[:, 1:3])  # [m/rad]
+    slides = np.hypot(motion[..., 0], motion[..., 1]) / np.maximum(np.abs(motion[..., 2]), 1e-9)
     left = np.isnan(cells.locks[:, 1:])
     alone: Array = np.where(left.sum(axis=1) == 1, np.where(left, slides, 0.0).sum(axis=1), np.nan)
     return alone
 
 
 def oracle(cells: Cells) -> tuple[Array, Bools]:
-    """(C,) when a plan is on the path after the fault [s], and whether the height can be had."""
+    """Return when a plan is on the path (C,) [s], and whether the height is reachable (C,)."""
     goal = task().piece(0.0)
     nominal = run(plant(), msma(), task().piece, DURATION)
     possible = np.full(len(cells.labels), np.inf)
@@ -255,9 +256,11 @@ def oracle(cells: Cells) -> tuple[Array, Bools]:
     kinds = {(*map(bool, row), float(at)) for row, at in zip(free, cells.each.since, strict=True)}
     for *kind, at in sorted(kinds):
         rows = np.nonzero((free == kind).all(axis=1) & (cells.each.since == at))[0]
-        chunk = 24 if sum(kind) == 1 else 1  # plans per cell: few with two locked, many with one
+        chunk = (
+            24 if sum(kind) == 1 else 1
+        )  # to bound the memory: a cell with two locks has few plans
         tick = round(at / PERIOD)
-        asked = rows[:1] if all(kind) else rows  # with nothing locked all are alike
+        asked = rows[:1] if all(kind) else rows  # without locks all cells are equal
         for some in np.array_split(asked, -(-len(asked) // chunk)):
             q = cells.q[some, :3] if at == 0 else np.tile(nominal.q[tick, :3], (len(some), 1))
             base = BASE if at == 0 else nominal.base[tick]

@@ -1,4 +1,4 @@
-"""What a user would pick instead today, told nothing of faults either: MIM, and two QPs."""
+"""MSMA beside controllers that know nothing of faults either: MIM and two QPs."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,7 +18,7 @@ from studies.fault_cells import (
     oracle,
     outcome,
     pair_locks,
-    play,
+    simulate,
     single_locks,
 )
 from studies.lockstep import Trace, run
@@ -27,25 +27,27 @@ from studies.motion_measures import spectral_arc_length
 from studies.platform_measures import cusps, path_roughness, reversal
 from studies.study import Claim, Findings, Progress, Row, Study, share
 
-WHO = ("MSMA", "MIM", "pink", "holistic")
+CONTROLLERS = ("MSMA", "MIM", "pink", "holistic")
 LOOSER = (0.01, 0.03, 0.1)
-"""More lenient tolerances, shown beside [m]."""
+"""Further tolerances, for comparison [m]."""
 PAIRS = 25
-"""Of the pairs of locked joints, every so many-th is tried."""
+"""One out of so many pairs of locked joints is run."""
 
 
 class BaselineError(MsmaError, RuntimeError):
-    """A baseline's library is not there."""
+    """The library of a baseline is not installed."""
 
 
 class Nominal(NamedTuple):
-    """The paper's task with nothing broken.
+    """One run of the paper's task without faults.
 
     Attributes:
-        error: Worst after 2 s, and mean [m].
-        roughness: Of the platform's path [m/s3].
-        sparc: Of the platform's speed; nearer 0 is smoother.
-        reversal: [m]; cusps: of the platform's path.
+        trace: The run.
+        error: Worst and mean error after 2 s [m].
+        roughness: Roughness of the platform's path [m/s3].
+        sparc: SPARC of the platform's speed; nearer 0 is smoother.
+        reversal: Distance in reverse [m].
+        cusps: Number of cusps of the platform's path.
     """
 
     trace: Trace
@@ -56,15 +58,15 @@ class Nominal(NamedTuple):
     cusps: int
 
 
-class Tried(NamedTuple):
-    """One controller: nominal, and over the maps of faults."""
+class ControllerResults(NamedTuple):
+    """Results of one controller, without faults and for each map of faults."""
 
     name: str
     nominal: Nominal
     outcomes: tuple[Outcome, ...]
 
     def survived(self) -> tuple[int, int, int]:
-        """How many reachable cells ended on the path; how many stayed there; of how many."""
+        """Return how many reachable cells end on the path, stay on it, and exist."""
         ends = sum(int((o.success & o.reachable).sum()) for o in self.outcomes)
         stays = sum(int((o.worst[o.reachable] <= 0.003).sum()) for o in self.outcomes)
         return ends, stays, sum(int(o.reachable.sum()) for o in self.outcomes)
@@ -72,25 +74,27 @@ class Tried(NamedTuple):
 
 @dataclass(frozen=True)
 class ComparisonFound(Findings):
-    """What the study found."""
+    """Results of the study."""
 
     maps: tuple[Cells, ...]
-    tried: tuple[Tried, ...]
+    tried: tuple[ControllerResults, ...]
 
 
 class FaultComparison(Study[ComparisonFound]):
-    """The same task, robot, limits, period and faults for MSMA and for what there is else."""
+    """The same task, robot, limits, period and faults for MSMA and three other controllers."""
 
     name = "told-nothing"
-    title = "Nobody is told of a fault: MSMA beside MIM, a whole-body QP and a holistic QP"
+    title = "No controller is told of a fault: MSMA, MIM, a whole-body QP and a holistic QP"
 
     def measure(self, size: float, progress: Progress) -> ComparisonFound:
-        """Try all on a share `size` of the cells of each map."""
+        """Run all controllers on a share `size` of the cells of each map."""
         every = max(round(1.0 / max(size, 1e-3)), 1)
         maps = (
             single_locks(0.0).part(slice(None, None, every)),
             single_locks(MID).part(slice(None, None, every)),
-            pair_locks().part(slice(None, 1908, PAIRS * every)),  # the ones that leave a height
+            pair_locks().part(
+                slice(None, 1908, PAIRS * every)
+            ),  # those that leave a joint to change the height
             half_speeds().part(slice(None, None, every)),
         )
         costs = {"MSMA": 4.0, "MIM": 3.0, "pink": 120.0, "holistic": 80.0}
@@ -98,13 +102,13 @@ class FaultComparison(Study[ComparisonFound]):
         progress.step("oracle", 25)
         possible = [oracle(cells) for cells in maps]
         tried = []
-        for name in WHO:
+        for name in CONTROLLERS:
             progress.step(name, costs[name])
             outcomes = tuple(
-                outcome(cells, play(cells, agents=agents(name)), able)
-                for cells, able in zip(maps, possible, strict=True)
+                outcome(cells, simulate(cells, agents=agents(name)), answer)
+                for cells, answer in zip(maps, possible, strict=True)
             )
-            tried.append(Tried(name, nominal(name), outcomes))
+            tried.append(ControllerResults(name, nominal(name), outcomes))
         return ComparisonFound(
             rows=_rows(tried, maps),
             claims=(
@@ -118,9 +122,10 @@ class FaultComparison(Study[ComparisonFound]):
                 ),
             ),
             notes=(
-                "None is told of a fault; all see all encoders, the platform and the goal with its "
-                "velocity, and close their loop over the hand. Parameters are the best of 120 "
-                "random choices on the unbroken task (`python -m studies.baselines.tuning`): "
+                "No controller is told of a fault; all of them know all encoders, the platform and "
+                "the goal with its velocity, and close their loop over the hand. Parameters are "
+                "the best of 120 random choices on the task without faults (`python -m "
+                "studies.baselines.tuning`): "
                 + "; ".join(f"{name}: {values}" for name, values in TUNED.items()),
                 _better(tried),
             ),
@@ -129,7 +134,7 @@ class FaultComparison(Study[ComparisonFound]):
         )
 
     def draw(self, found: ComparisonFound, folder: Path) -> tuple[Path, ...]:
-        """Write the comparison."""
+        """Draw the comparison."""
         from studies.drawing.comparison import compared
 
         tried = [(each.name, each.nominal.trace, each.outcomes) for each in found.tried]
@@ -138,7 +143,7 @@ class FaultComparison(Study[ComparisonFound]):
 
 
 def agents(name: str) -> dict[str, Agent]:
-    """MSMA's agents, or a tuned baseline as if it were agents."""
+    """Return MSMA's agents, or a tuned baseline as agents."""
     if name == "MSMA":
         return msma()
     try:
@@ -150,7 +155,7 @@ def agents(name: str) -> dict[str, Agent]:
 
 
 def nominal(name: str) -> Nominal:
-    """Run the paper's task with nothing broken."""
+    """Run the paper's task without faults."""
     trace = run(plant(), agents(name), task().piece, DURATION)
     error = trace.error[trace.t >= 2.0]
     speed = np.abs(trace.base_velocity[:, 0])
@@ -164,7 +169,7 @@ def nominal(name: str) -> Nominal:
     )
 
 
-def _rows(tried: list[Tried], maps: tuple[Cells, ...]) -> tuple[Row, ...]:
+def _rows(tried: list[ControllerResults], maps: tuple[Cells, ...]) -> tuple[Row, ...]:
     ours, *others = tried
     best = max(each.survived()[0] for each in others)
     ends, _, count = ours.survived()
@@ -187,10 +192,10 @@ def _rows(tried: list[Tried], maps: tuple[Cells, ...]) -> tuple[Row, ...]:
             back = int((o.reversed > 0.005)[o.reachable].sum())
             rows.append(Row(f"{cells.name}, {each.name}", "",
                             share((o.success & o.reachable).sum(), o.reachable.sum())
-                            + f", {back} of them in reverse at some time"))  # fmt: skip
+                            + f"; in reverse at some time: {back}"))  # fmt: skip
     for each in tried:
         n = each.nominal
-        rows.append(Row(f"nothing broken, {each.name}", "",
+        rows.append(Row(f"no fault, {each.name}", "",
                         f"worst error after 2 s {1e3 * n.error[0]:.2f} mm, mean "
                         f"{1e3 * n.error[1]:.2f} mm; platform: roughness {n.roughness:.3f} m/s3, "
                         f"SPARC {n.sparc:.2f}, {n.reversal:.2f} m in reverse, "
@@ -198,14 +203,14 @@ def _rows(tried: list[Tried], maps: tuple[Cells, ...]) -> tuple[Row, ...]:
     return tuple(rows)
 
 
-def near(tried: Tried, tolerance: float) -> float:
-    """Share of the reachable cells that end within `tolerance` [m]."""
+def near(tried: ControllerResults, tolerance: float) -> float:
+    """Return the share of the reachable cells that end within `tolerance` [m]."""
     final = np.concatenate([o.final[o.reachable] for o in tried.outcomes])
     return float((final <= tolerance).mean())
 
 
-def _better(tried: list[Tried]) -> str:
-    """Where the others are better than MSMA, in words."""
+def _better(tried: list[ControllerResults]) -> str:
+    """Return in what the others are better than MSMA, as text."""
     ours, *others = tried
     words = []
     for each in others:

@@ -1,4 +1,4 @@
-"""The whole map of broken joints: where MSMA follows the path, beside where anyone could."""
+"""The map of locked joints: where MSMA follows the path, and where any controller could."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,35 +15,35 @@ from studies.fault_cells import (
     oracle,
     outcome,
     pair_locks,
-    play,
+    simulate,
     single_locks,
 )
 from studies.mobile_reach import Bools
 from studies.study import Claim, Findings, Progress, Row, Study, share
 
 NEAR_STRAIGHT = np.radians(15.0)
-"""Bar on the elbow [rad]."""
+"""Bar on the angle of the elbow from straight [rad]."""
 SHOWN = 12
-"""Misses that are listed in words for each reason on each map."""
+"""Number of misses listed for each reason on each map."""
 STEEP = 0.9
-"""Metres on the level for each metre up from which a hand slides more than it rises, nearly."""
+"""Horizontal over vertical motion of the hand above which it hardly rises [m/m]."""
 
 
 @dataclass(frozen=True)
 class MapFound(Findings):
-    """What the study found: one lock from the start and mid-path, two locks, and the rest."""
+    """Results of the study: one lock from the start and mid-path, two locks, and the others."""
 
     maps: tuple[Map, ...]
 
 
 class FaultMap(Study[MapFound]):
-    """Each joint locked at every 10 deg of its range, and every pair; agents killed; and more."""
+    """Each joint and each pair locked at each 10 deg, killed agents, half speeds, lost encoders."""
 
     name = "fault-map"
-    title = "Every joint locked at every angle: what is followed, what could be"
+    title = "Each joint locked at each angle: where the path is followed, and where it could be"
 
     def measure(self, size: float, progress: Progress) -> MapFound:
-        """Run all maps; of the pairs a share `size`."""
+        """Run all maps, with a share `size` of the pairs."""
         pairs = pair_locks()
         some = slice(None, None, max(round(1.0 / max(size, 1e-3)), 1))
         work = [
@@ -57,13 +57,13 @@ class FaultMap(Study[MapFound]):
         maps, rows = [], []
         for cells, cost, least in work:
             progress.step(cells.name, cost)
-            found = Map(cells, outcome(cells, play(cells), oracle(cells)))
+            found = Map(cells, outcome(cells, simulate(cells), oracle(cells)))
             maps.append(found)
             rows += map_rows(found, least)
         progress.step("encoders lost", 3.0)
-        by_eye = _blind(maps[1])
-        maps.append(by_eye)
-        rows += _shown(by_eye)
+        blind = _blind(maps[1])
+        maps.append(blind)
+        rows += _shown(blind)
         return MapFound(
             rows=tuple(rows),
             claims=(
@@ -81,15 +81,15 @@ class FaultMap(Study[MapFound]):
                 "shoulder and elbow locked, the hand has a single height but the path does not, so "
                 "these cells are never reachable. Undecided cells do not count: the height is "
                 "possible, but no plan is known.",
-                "Growing: the error is still larger in the last two seconds than in those before, "
-                "by more than 3 mm.",
+                "Growing: the mean error of the last two seconds exceeds that of the two before by "
+                "more than 3 mm.",
                 *(misses(found) for found in maps),
             ),
             maps=tuple(maps),
         )
 
     def draw(self, found: MapFound, folder: Path) -> tuple[Path, ...]:
-        """Write the maps."""
+        """Draw the maps."""
         from studies.drawing.fault_map import pair_maps, strips
 
         return (
@@ -99,7 +99,7 @@ class FaultMap(Study[MapFound]):
 
 
 def _blind(mid: Map) -> Map:
-    """One lock in mid-path again, with all encoders of the arm lost and `localiser` perception."""
+    """Run one lock in mid-path again, with the encoders lost and perception `localiser`."""
     from studies.lockstep import run
     from studies.mobile import DURATION, msma, plant, task
 
@@ -108,20 +108,20 @@ def _blind(mid: Map) -> Map:
     robots = plant(cells.q, each=cells.each, faults=lost)
     trace = run(robots, msma(perception="localiser"), task().piece, DURATION)
     before = mid.outcome
-    blind = outcome(cells, trace, (before.possible, before.high))
-    return Map(cells._replace(name="one lock, mid, encoders lost, localiser"), blind)
+    result = outcome(cells, trace, (before.possible, before.high))
+    return Map(cells._replace(name="one lock, mid, encoders lost, localiser"), result)
 
 
 def map_rows(found: Map, least: float) -> list[Row]:
-    """The table of a map, with its bars; `least` is the share of reachable cells to end well."""
+    """Return the table of a map; `least` is the required share of reachable cells."""
     o, name = found.outcome, found.cells.name
-    can = o.reachable
+    reachable = o.reachable
     bar = "100 % of the reachable" if least == 1.0 else f"{100 * least:g} % of the reachable"
     back = float(o.reversed.max())
     return [
         Row(f"end within 3 mm, {name}", bar, _share(found), o.share >= least),
         Row(f"still growing at the end, {name}", "none of the reachable",
-            str(int((o.growing & can).sum())), not (o.growing & can).any()),
+            str(int((o.growing & reachable).sum())), not (o.growing & reachable).any()),
         Row(f"farthest in reverse, {name}", "none", f"{back:.3f} m", back == 0.0),
         *_shown(found)[1:],
         *_elbow(found),
@@ -129,13 +129,13 @@ def map_rows(found: Map, least: float) -> list[Row]:
 
 
 def _elbow(found: Map) -> list[Row]:
-    """How straight the elbow got where shoulder and elbow were free, so that nothing forced it."""
+    """Return the least elbow angle over the cells with a free shoulder and elbow."""
     o, name = found.outcome, found.cells.name
     free = np.isnan(found.cells.locks[:, 1:]).all(axis=1) & np.isfinite(o.acquired)
     if not free.any():
         return []
     bent = float(o.elbow[free].min())
-    what = f"least elbow from straight once acquired, shoulder and elbow free, {name}"
+    what = f"least elbow angle from straight once acquired, shoulder and elbow free, {name}"
     return [
         Row(what, "at least 15 deg", f"{np.degrees(bent):.0f} deg", bool(bent >= NEAR_STRAIGHT))
     ]
@@ -143,36 +143,40 @@ def _elbow(found: Map) -> list[Row]:
 
 def _shown(found: Map) -> list[Row]:
     o, name = found.outcome, found.cells.name
-    can = o.reachable
-    stays = int((o.worst[can] <= TOLERANCE).sum())
-    soon = int((o.acquired[can] <= 6.0).sum())
-    undecided = int((o.high & ~can).sum())
+    reachable = o.reachable
+    stays = int((o.worst[reachable] <= TOLERANCE).sum())
+    soon = int((o.acquired[reachable] <= 6.0).sum())
+    undecided = int((o.high & ~reachable).sum())
     return [
         Row(f"end within 3 mm, {name}", "", _share(found)),
-        Row(f"stay within 3 mm once acquired, {name}", "", share(stays, can.sum())),
-        Row(f"acquired within 6 s, {name}", "", share(soon, can.sum())),
-        Row(f"reachable, {name}", "", f"{share(can.sum(), can.size)}, undecided {undecided}"),
+        Row(f"stay within 3 mm once acquired, {name}", "", share(stays, reachable.sum())),
+        Row(f"acquired within 6 s, {name}", "", share(soon, reachable.sum())),
+        Row(
+            f"reachable, {name}",
+            "",
+            f"{share(reachable.sum(), reachable.size)}, undecided {undecided}",
+        ),
     ]
 
 
 def _share(found: Map) -> str:
-    can = found.outcome.reachable
-    return share(float((found.outcome.success & can).sum()), float(can.sum()))
+    reachable = found.outcome.reachable
+    return share(float((found.outcome.success & reachable).sum()), float(reachable.sum()))
 
 
 def misses(found: Map) -> str:
-    """The reachable cells that did not end on the path, in words, by why they did not."""
+    """Return the reachable cells that did not end on the path, by reason, as text."""
     o, cells = found.outcome, found.cells
     missed = o.reachable & ~o.success
     if not missed.any():
         return f"{cells.name}: no reachable cell is missed."
     steep = missed & ~o.coming & (o.slides > STEEP)
     reasons = (
-        ("the hand is near the top of the circle on which the one joint left lifts it, and slides "
-         f"more than {STEEP:g} m on the level for each metre up", steep),
-        ("it is still on its way: the error of the last two seconds is less than half of that of "
-         "those before", missed & o.coming),
-        ("neither of these", missed & ~o.coming & ~steep),
+        ("the hand is near the top of the circle of the only joint left that lifts it, and moves "
+         f"more than {STEEP:g} m horizontally for each metre of height", steep),
+        ("it is still approaching: the error of the last two seconds is less than half of that of "
+         "the two before", missed & o.coming),
+        ("neither holds", missed & ~o.coming & ~steep),
     )  # fmt: skip
     return f"{cells.name}, missed: " + " ".join(
         f"{rows.sum()} where {reason} ({_listed(found, rows)})."

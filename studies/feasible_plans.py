@@ -1,4 +1,4 @@
-"""Motions that keep the hand on the path whatever is locked: the sufficient half of `reach.py`."""
+"""Motions that keep the hand on the path with locked joints: see `mobile_reach.py`."""
 
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -11,18 +11,18 @@ from studies.mobile_reach import ASIDE, COLUMN, FORE, SHOULDER, UPPER, Bools
 from studies.platform_measures import wrapped
 
 STEP = 0.12
-"""Of the plans [s]."""
+"""Time step of the plans [s]."""
 SLACK = 1.0
-"""Time that a platform gets, on top of turn, drive and turn at full speed, to gain speed [s]."""
+"""Time allowed for acceleration, besides turning and driving at full speed [s]."""
 
 
 class Since(NamedTuple):
-    """What there is when the faults begin.
+    """State of the robot when the faults begin.
 
     Attributes:
-        t: [s].
-        q: (..., 3) joints 1 to 3 [rad].
-        base: (..., 3) x, y [m], heading [rad].
+        t: Plant time [s].
+        q: (..., 3) angles of joints 1 to 3 [rad].
+        base: (..., 3) platform pose: x, y [m], heading [rad].
     """
 
     t: float
@@ -31,22 +31,22 @@ class Since(NamedTuple):
 
 
 class _Plans(NamedTuple):
-    """Postures over time, (T, cells, plans); `ok` where the joints can do them."""
+    """Postures over time, T times by C cells by P plans; `ok` where the joints can follow."""
 
     q: Array  # (T, C, P, 3)
-    ahead: Array  # the hand from the platform's middle, forward [m]
-    aside: Array  # and to the left [m]
+    ahead: Array  # hand ahead of the platform's middle [m]
+    aside: Array  # hand to the left of it [m]
     ok: Bools
 
 
 class Plan(NamedTuple):
-    """One motion that keeps the hand on the path, from its first tick to its last.
+    """One motion that keeps the hand on the path.
 
     Attributes:
-        t: (K,) [s].
-        q: (K, 3) joints 1 to 3 [rad].
-        base: (K, 3) x, y [m], heading [rad].
-        velocity: (K, 2) of the platform [m/s], [rad/s].
+        t: (K,) plant time [s].
+        q: (K, 3) angles of joints 1 to 3 [rad].
+        base: (K, 3) platform pose: x, y [m], heading [rad].
+        velocity: (K, 2) forward [m/s] and turning speed [rad/s] of the platform.
     """
 
     t: Array
@@ -56,11 +56,16 @@ class Plan(NamedTuple):
 
 
 def earliest(robot: Robot, locks: Array, goal: Goal, since: Since, last: float) -> Array:
-    """(C,) when a plan is on the path for good [s], the earliest of all plans; inf if none is.
+    """Return when the earliest plan is on the path to stay (C,) [s]; infinite if there is none.
 
-    locks: (C, 3) angles of joints 1 to 3 [rad], NaN for free ones, the same ones in all; goal: one
-    straight piece in force from `since` to `last` [s]. A plan has to begin two seconds before
-    `last` at the latest.
+    A plan has to begin at least two seconds before `last`.
+
+    Args:
+        robot: The mobile arm.
+        locks: (C, 3) angles of joints 1 to 3 [rad]; NaN for free joints, the same in all cells.
+        goal: A straight piece of the path, in force from `since` to `last`.
+        since: State when the faults begin.
+        last: End of the path [s].
     """
     answer = np.full(len(locks), np.inf)
     for sweep in _sweeps(robot, locks, goal, since, last):
@@ -71,7 +76,7 @@ def earliest(robot: Robot, locks: Array, goal: Goal, since: Since, last: float) 
 
 
 def plan(robot: Robot, locks: Array, goal: Goal, since: Since, last: float) -> Plan | None:
-    """The earliest plan for one arm with `locks` (3,), None if there is none."""
+    """Return the earliest plan for one arm with `locks` (3,); None if there is none."""
     best: Plan | None = None
     for sweep in _sweeps(robot, locks[None], goal, since, last):
         if not sweep.good.any():
@@ -90,7 +95,7 @@ def plan(robot: Robot, locks: Array, goal: Goal, since: Since, last: float) -> P
 
 
 class _Sweep(NamedTuple):
-    """All plans of some cells, from all headings: t (T,), the rest (T, C, P, H)."""
+    """All plans of some cells from all H headings: t (T,), all else (T, C, P, H)."""
 
     t: Array
     plans: _Plans
@@ -102,7 +107,7 @@ class _Sweep(NamedTuple):
 
 def _sweeps(robot: Robot, locks: Array, goal: Goal, since: Since, last: float) -> Iterator[_Sweep]:
     if not np.isnan(locks[..., 1:]).any():
-        return  # with shoulder and elbow locked there is but one height
+        return  # with shoulder and elbow locked there is only one height
     times = np.arange(since.t, last + STEP / 4, STEP / 2)
     t = times[::2]
     plans = _postures(robot, locks, goal, times)
@@ -120,7 +125,7 @@ _SHOULDERS = np.radians(np.arange(-45.0, 146.0, 15.0))
 
 
 def _postures(robot: Robot, locks: Array, goal: Goal, times: Array) -> _Plans:
-    """The postures of all plans; the cells must have the same joints free."""
+    """Return the postures of all plans; all cells must have the same free joints."""
     free = np.asarray(np.isnan(locks).all(axis=0))
     cells = len(locks)
     column = np.tile(_COLUMNS, (cells, 1)) if free[0] else locks[:, :1]
@@ -130,21 +135,21 @@ def _postures(robot: Robot, locks: Array, goal: Goal, times: Array) -> _Plans:
         steady, moves_shoulder = locks[:, 2:3], True
     else:
         steady, moves_shoulder = locks[:, 1:2], False
-    ways = np.array([0.0, 1.0])
-    column, steady, way = (
+    solutions = np.array([0.0, 1.0])
+    column, steady, solution = (
         np.broadcast_to(part, (cells, column.shape[1], steady.shape[1], 2)).reshape(cells, -1)
-        for part in (column[:, :, None, None], steady[:, None, :, None], ways)
+        for part in (column[:, :, None, None], steady[:, None, :, None], solutions)
     )
     rise = np.array([goal.at(t)[2] for t in times])[:, None, None] - SHOULDER
     if moves_shoulder:  # rise is the sine of the shoulder plus a constant, times the span
         span = np.hypot(UPPER + FORE * np.cos(steady), FORE * np.sin(steady))
         tilt = np.arctan2(FORE * np.sin(steady), UPPER + FORE * np.cos(steady))
         sine = rise / np.maximum(span, 1e-9)
-        shoulder = _either(sine, way) - tilt
+        shoulder = _either(sine, solution) - tilt
         elbow = np.broadcast_to(steady, shoulder.shape)
     else:
         sine = (rise - UPPER * np.sin(steady)) / FORE
-        elbow = _either(sine, way) - steady
+        elbow = _either(sine, solution) - steady
         shoulder = np.broadcast_to(steady, elbow.shape)
     shoulder, elbow = wrapped(shoulder), wrapped(elbow)
     q = np.stack([np.broadcast_to(column, elbow.shape), shoulder, elbow], axis=-1)
@@ -163,9 +168,10 @@ def _postures(robot: Robot, locks: Array, goal: Goal, times: Array) -> _Plans:
 
 
 def _follow(plans: _Plans, goal: Goal, times: Array, backwards: bool) -> tuple[Array, Array, Array]:
-    """Heading, speed and turning speed (T, C, P, H) that keep the hand on the path: midpoint rule.
+    """Return heading, speed and turning speed (T, C, P, H) that keep the hand on the path.
 
-    From each of `HEADINGS` at the first time, or backwards from each at the last.
+    Integrates by the midpoint rule from each of `HEADINGS`, forwards from the first time or
+    backwards from the last.
     """
     half = times[1] - times[0]
     x_rate, y_rate = (np.gradient(part, half, axis=0)[..., None] for part in plans[1:3])
@@ -176,7 +182,7 @@ def _follow(plans: _Plans, goal: Goal, times: Array, backwards: bool) -> tuple[A
     def speeds(heading: Array, i: int) -> tuple[Array, Array]:
         cosine, sine = np.cos(heading), np.sin(heading)
         turn = (cosine * gy - sine * gx - y_rate[i]) / along[i]
-        turn = np.clip(turn, -50.0, 50.0)  # of no use, but finite
+        turn = np.clip(turn, -50.0, 50.0)  # too fast to be feasible, but finite
         return cosine * gx + sine * gy - x_rate[i] + turn * across[i], turn
 
     count = (len(times) + 1) // 2
@@ -185,10 +191,10 @@ def _follow(plans: _Plans, goal: Goal, times: Array, backwards: bool) -> tuple[A
     order = range(count - 1, -1, -1) if backwards else range(count)
     sign = -1 if backwards else 1
     now = np.broadcast_to(HEADINGS, shape[1:])
-    for place, k in enumerate(order):
+    for index, k in enumerate(order):
         heading[k] = now
         speed[k], turn[k] = speeds(now, 2 * k)
-        if place < count - 1:
+        if index < count - 1:
             middle = now + sign * half * turn[k]
             now = now + sign * 2 * half * speeds(middle, 2 * k + sign)[1]
     return heading, speed, turn
@@ -215,7 +221,7 @@ def _drivable(robot: Robot, speed: Array, turn: Array) -> Bools:
 def _arrival(
     robot: Robot, plans: _Plans, heading: Array, goal: Goal, t: Array, since: Since
 ) -> Array:
-    """(T, C, P, H) when platform and joints could be where the plan is then [s]."""
+    """Return when platform and joints could be at each point of each plan (T, C, P, H) [s]."""
     drive = robot.drive
     assert drive is not None
     base = since.base[..., None, None, :]
@@ -224,28 +230,28 @@ def _arrival(
     course = np.arctan2(y, x)
     turns = np.abs(wrapped(course - base[..., 2])) + np.abs(wrapped(heading - course))
     driving = np.hypot(x, y) / drive.max_linear + turns / drive.max_angular
-    way = plans.q[::2] - since.q[..., None, :]
-    way[..., 0] = wrapped(way[..., 0])
-    joints = (np.abs(way) / robot.max_speed[:3]).max(axis=-1)[..., None]
+    turn = plans.q[::2] - since.q[..., None, :]
+    turn[..., 0] = wrapped(turn[..., 0])
+    joints = (np.abs(turn) / robot.max_speed[:3]).max(axis=-1)[..., None]
     moving = np.maximum(driving, joints)
-    # who is there already needs no time to gain speed
-    slack = np.where((moving < 0.01), 0.0, SLACK)
+    # a robot that is there already needs no time to accelerate
+    slack = np.where(moving < 0.01, 0.0, SLACK)
     arrival: Array = since.t + moving + slack
     return arrival
 
 
 def _platform(plans: _Plans, heading: Array, goal: Goal, t: Array) -> tuple[Array, Array]:
-    """Where the platform is, (T, C, P, H) x and y [m], when the hand is on the goal."""
-    place = np.array([goal.at(now)[:2] for now in t])[:, None, None, None, :]
+    """Return x and y of the platform (T, C, P, H) [m] with the hand on the goal."""
+    position = np.array([goal.at(now)[:2] for now in t])[:, None, None, None, :]
     cosine, sine = np.cos(heading), np.sin(heading)
     ahead, aside = plans.ahead[::2, ..., None], plans.aside[::2, ..., None]
     return (
-        place[..., 0] - cosine * ahead + sine * aside,
-        place[..., 1] - sine * ahead - cosine * aside,
+        position[..., 0] - cosine * ahead + sine * aside,
+        position[..., 1] - sine * ahead - cosine * aside,
     )
 
 
-def _either(sine: Array, way: Array) -> Array:
-    """The angle of that sine within a quarter turn of 0 (way 0), or the other one."""
+def _either(sine: Array, solution: Array) -> Array:
+    """Return the angle of a sine within a quarter turn of 0 (solution 0), or the other one."""
     angle = np.arcsin(np.clip(sine, -1.0, 1.0))
-    return np.where(way == 0, angle, np.pi - angle)
+    return np.where(solution == 0, angle, np.pi - angle)

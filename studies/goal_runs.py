@@ -1,4 +1,4 @@
-"""Ways to goals in all directions, and how they are judged."""
+"""Runs of the mobile arm to goals in all directions, and their measures."""
 
 from collections.abc import Callable
 from itertools import product
@@ -15,30 +15,30 @@ from studies.motion_measures import spectral_arc_length
 from studies.platform_measures import acquisition, cusps, path_length, reversal, stalled
 
 TOLERANCE = 0.003  # [m]
-LENGTH = 1.5  # [m] of the straight paths, where the arm is high enough
-AWAY = 3.0  # [m] how far off the standing goals are at most
-MARGIN = 0.05  # [m] to the floor, and to the highest that the arm reaches
-PATIENCE = 30.0  # [s] for a goal that stands
-AFTER = 4.0  # [s] for a path, once its end stands still
+LENGTH = 1.5  # [m] of the straight paths, if the arm reaches their heights
+AWAY = 3.0  # [m] largest distance of the fixed goals from the hand's start
+MARGIN = 0.05  # [m] to the floor, and to the largest height of the hand
+TIME_LIMIT = 30.0  # [s] for a fixed goal
+AFTER = 4.0  # [s] after the end of a path
 STRAIGHT = np.radians(15.0)
 
 
 class GoalRuns(NamedTuple):
-    """Ways to goals, (B,) each.
+    """B runs and their measures, (B,) each.
 
     Attributes:
-        labels: In words.
-        trace: Each trip's own, as long as it took.
+        labels: Text for each run.
+        trace: Trace of each run.
         success: Whether the hand ends within tolerance.
-        time: Until it stays there [s]; inf for never.
-        length: Of the platform's way [m].
-        cusps: Of the platform's way.
-        reversed: Distance gone backwards [m].
-        sparc: Smoothness of the hand's speed.
-        stretched: Time with the elbow under 15 deg off straight [s].
-        stuck: Longest time without progress [s].
-        entered: How often there was none for a second or more.
-        left: How often it then went on.
+        time: Time until it stays within tolerance [s]; infinite if never.
+        length: Length of the platform's path [m].
+        cusps: Number of cusps of the platform's path.
+        reversed: Distance in reverse [m].
+        sparc: SPARC of the hand's speed.
+        stretched: Time with the elbow less than 15 deg from straight [s].
+        stuck: Longest stall [s].
+        entered: Number of stalls, of a second or more.
+        left: Number of stalls that ended.
     """
 
     labels: tuple[str, ...]
@@ -55,85 +55,85 @@ class GoalRuns(NamedTuple):
     left: npt.NDArray[np.int64]
 
 
-class Leg(NamedTuple):
+class StraightPath(NamedTuple):
     """A straight path from the start: a unit direction (3,) and a length [m]."""
 
-    way: Array
+    direction: Array
     length: float
 
 
-def legs() -> tuple[Leg, ...]:
-    """The 26 directions from the middle of a cube to its corners, edges and faces."""
-    low, high = limits()
+def straight_paths() -> tuple[StraightPath, ...]:
+    """Return paths from the centre of a cube to its 26 corners, edges and faces."""
+    low, high = goal_heights()
     found = []
     for signs in product((-1, 0, 1), repeat=3):
         if not any(signs):
             continue
-        way = np.array(signs) / np.linalg.norm(signs)
-        room = (high - HAND[2]) / way[2] if way[2] > 0 else np.inf
-        room = (HAND[2] - low) / -way[2] if way[2] < 0 else room
-        found.append(Leg(way, float(min(LENGTH, room))))
+        direction = np.array(signs) / np.linalg.norm(signs)
+        room = (high - HAND[2]) / direction[2] if direction[2] > 0 else np.inf
+        room = (HAND[2] - low) / -direction[2] if direction[2] < 0 else room
+        found.append(StraightPath(direction, float(min(LENGTH, room))))
     return tuple(found)
 
 
-def limits() -> tuple[float, float]:
-    """Lowest and highest goal [m]."""
+def goal_heights() -> tuple[float, float]:
+    """Return the lowest and the highest goal [m]."""
     _, highest = heights(np.full(3, np.nan))
     return MARGIN, float(highest) - MARGIN
 
 
-def follow(agents: Callable[[], dict[str, Agent]]) -> GoalRuns:
-    """Lead the hand along all straight paths, those of equal length at once."""
+def run_paths(agents: Callable[[], dict[str, Agent]]) -> GoalRuns:
+    """Run all straight paths, those of equal length as one batch."""
     speed = float(np.linalg.norm(VELOCITY))
-    every = legs()
+    every = straight_paths()
     traces: dict[int, Trace] = {}
-    for length in sorted({round(leg.length, 9) for leg in every}):
-        rows = [i for i, leg in enumerate(every) if round(leg.length, 9) == length]
-        ways = np.stack([every[i].way for i in rows])
-        goal = Goal(np.tile(HAND, (len(rows), 1)), ways * speed, 0.0, length / speed)
-        traces |= _each(rows, _drive(agents(), goal, length / speed + AFTER))
+    for length in sorted({round(path.length, 9) for path in every}):
+        rows = [i for i, path in enumerate(every) if round(path.length, 9) == length]
+        directions = np.stack([every[i].direction for i in rows])
+        goal = Goal(np.tile(HAND, (len(rows), 1)), directions * speed, 0.0, length / speed)
+        traces |= _split(rows, _run(agents(), goal, length / speed + AFTER))
     labels = [
-        f"{length:.2f} m towards ({way[0]:+.2f}, {way[1]:+.2f}, {way[2]:+.2f})"
-        for way, length in every
+        f"{length:.2f} m towards ({direction[0]:+.2f}, {direction[1]:+.2f}, {direction[2]:+.2f})"
+        for direction, length in every
     ]
-    return _judged(tuple(labels), tuple(traces[i] for i in range(len(every))))
+    return _measured(tuple(labels), tuple(traces[i] for i in range(len(every))))
 
 
-def go(agents: Callable[[], dict[str, Agent]], count: int, seed: int = 4) -> GoalRuns:
-    """Lead the hand to `count` standing goals."""
-    places = standing(count, seed)
-    goal = Goal(places, np.zeros_like(places), 0.0, np.inf)
-    traces = _each(list(range(count)), _drive(agents(), goal, PATIENCE))
-    labels = [f"goal at ({x:.2f}, {y:.2f}, {z:.2f}) m" for x, y, z in places]
-    return _judged(tuple(labels), tuple(traces.values()))
+def run_goals(agents: Callable[[], dict[str, Agent]], count: int, seed: int = 4) -> GoalRuns:
+    """Run `count` random fixed goals."""
+    goals = random_goals(count, seed)
+    goal = Goal(goals, np.zeros_like(goals), 0.0, np.inf)
+    traces = _split(list(range(count)), _run(agents(), goal, TIME_LIMIT))
+    labels = [f"goal at ({x:.2f}, {y:.2f}, {z:.2f}) m" for x, y, z in goals]
+    return _measured(tuple(labels), tuple(traces.values()))
 
 
-def standing(count: int, seed: int) -> Array:
-    """(count, 3) goals [m], equally likely anywhere within 3 m of the hand's start."""
-    low, high = limits()
+def random_goals(count: int, seed: int) -> Array:
+    """Return goals (count, 3) [m], uniform within 3 m of the hand's start."""
+    low, high = goal_heights()
     rng = np.random.default_rng(seed)
     found: list[Array] = []
     while len(found) < count:
-        place = HAND + rng.uniform(-AWAY, AWAY, 3)
-        if np.linalg.norm(place - HAND) <= AWAY and low <= place[2] <= high:
-            found.append(place)
+        goal = HAND + rng.uniform(-AWAY, AWAY, 3)
+        if np.linalg.norm(goal - HAND) <= AWAY and low <= goal[2] <= high:
+            found.append(goal)
     return np.stack(found)
 
 
-def _drive(agents: dict[str, Agent], goal: Goal, duration: float) -> Trace:
+def _run(agents: dict[str, Agent], goal: Goal, duration: float) -> Trace:
     robots = plant(np.tile(POSTURE, (len(goal.position), 1)))
     return run(robots, agents, lambda t: goal, duration)
 
 
-def _each(rows: list[int], trace: Trace) -> dict[int, Trace]:
-    """The runs of a batch one by one."""
+def _split(rows: list[int], trace: Trace) -> dict[int, Trace]:
+    """Return the traces of a batch one by one."""
     return {
-        row: Trace(trace.t, *(column[:, place] for column in trace[1:]))
-        for place, row in enumerate(rows)
+        row: Trace(trace.t, *(column[:, index] for column in trace[1:]))
+        for index, row in enumerate(rows)
     }
 
 
-def _judged(labels: tuple[str, ...], traces: tuple[Trace, ...]) -> GoalRuns:
+def _measured(labels: tuple[str, ...], traces: tuple[Trace, ...]) -> GoalRuns:
     within = [acquisition(trace, TOLERANCE) for trace in traces]
     stalls = [stalled(trace.error, PERIOD) for trace in traces]
     hands = [np.linalg.norm(np.diff(trace.hand, axis=0), axis=-1) / PERIOD for trace in traces]

@@ -1,4 +1,4 @@
-"""All agents and the plant in one process, in step: thousands of runs at once."""
+"""Agents and plant in one process, in lockstep: thousands of runs at once."""
 
 from collections.abc import Callable, Iterable, Mapping
 from typing import NamedTuple
@@ -11,10 +11,16 @@ from plant.plant import Commands, Plant, Truth
 
 
 class Trace(NamedTuple):
-    """What happened, tick by tick: K ticks of any batch of robots.
+    """K recorded ticks of a run of any batch of robots.
 
-    t: (K,) [s]; hand, goal: (K, ..., 3) [m]; q, qd: (K, ..., n) [rad], [rad/s]
-    base: (K, ..., 3) x, y [m], heading [rad]; base_velocity: (K, ..., 2) [m/s], [rad/s]
+    Attributes:
+        t: (K,) plant time [s].
+        hand: (K, ..., 3) position of the hand in the world [m].
+        goal: (K, ..., 3) position of the goal in the world [m].
+        q: (K, ..., n) joint angles [rad].
+        qd: (K, ..., n) joint velocities [rad/s].
+        base: (K, ..., 3) platform pose in the world: x, y [m], heading [rad].
+        base_velocity: (K, ..., 2) forward [m/s] and turning speed [rad/s].
     """
 
     t: Array
@@ -27,16 +33,18 @@ class Trace(NamedTuple):
 
     @property
     def error(self) -> Array:
-        """Distance of the hand from the goal: (K, ...) [m]."""
+        """Distance from the hand to the goal (K, ...) [m]."""
         away = self.hand - self.goal
         distance: Array = np.sqrt((away * away).sum(axis=-1))
         return distance
 
 
 class Event(NamedTuple):
-    """Something that happens to the plant or the agents at plant time `at` [s].
+    """A fault or a kill during a run.
 
-    what: a fault, or the role of an agent that is killed
+    Attributes:
+        at: Plant time [s].
+        what: A fault, or the role of an agent to kill.
     """
 
     at: float
@@ -52,18 +60,26 @@ def run(
     events: Iterable[Event] = (),
     every: int = 1,
 ) -> Trace:
-    """Step `plant` with its `agents` (by role) for `duration` [s] along a path's `piece`.
+    """Run agents and plant in lockstep, and record it.
 
-    Every agent sees the same tick and its command acts at once, as in the paper's simulation.
-    A killed agent's joint rests. The trace keeps the first tick, then each `every`-th.
+    All agents see the same tick, and their commands act in that tick, as in the paper's simulation.
+    The joint of a killed agent stops.
+
+    Args:
+        plant: The robots.
+        agents: By role.
+        piece: Gives the goal at a plant time [s].
+        duration: How long to run [s].
+        events: Faults and kills.
+        every: Record the first tick, and then one out of so many.
     """
     living = dict(agents)
-    coming = sorted(events, key=lambda event: event.at)
+    pending = sorted(events, key=lambda event: event.at)
     ticks: list[tuple[Array, ...]] = []
     for tick in range(round(duration / plant.period) + 1):
         truth = true_motion(plant)
-        while coming and coming[0].at <= truth.t + plant.period / 1000:
-            what = coming.pop(0).what
+        while pending and pending[0].at <= truth.t + plant.period / 1000:
+            what = pending.pop(0).what
             if isinstance(what, Fault):
                 plant.inject(what)
             else:
@@ -71,23 +87,29 @@ def run(
         goal = piece(truth.t)
         t, q, qd, base, base_velocity, hand, _ = map(np.asarray, truth)
         if tick % every == 0:
-            place = np.broadcast_to(goal.at(truth.t), hand.shape)
-            ticks.append((t, hand, place, q, qd, base, base_velocity))
+            target = np.broadcast_to(goal.at(truth.t), hand.shape)
+            ticks.append((t, hand, target, q, qd, base, base_velocity))
         plant.write(decide_all(living, Percepts.of(plant.read(), goal), q.shape))
         plant.step()
     return Trace(*(np.stack(column) for column in zip(*ticks, strict=True)))
 
 
 def true_motion(plant: Plant) -> Truth:
-    """Return the truth about a plant; raise `ValueError` if there is nothing but its sensors."""
+    """Return the true motion of a plant.
+
+    Raises:
+        ValueError: The plant knows only what its sensors measure.
+    """
     truth = plant.truth()
     if truth is None:
-        raise ValueError(f"a study judges by the truth, which a {type(plant).__name__} cannot give")
+        raise ValueError(
+            f"a study needs the true motion, which a {type(plant).__name__} cannot give"
+        )
     return truth
 
 
 def decide_all(agents: Mapping[str, Agent], percepts: Percepts, shape: tuple[int, ...]) -> Commands:
-    """Return the commands of all `agents` for arms of `shape` (..., n); the silent rest."""
+    """Return the commands of all `agents` for arms of `shape` (..., n); 0 for those without one."""
     joints = np.zeros(shape)
     base = np.zeros((*shape[:-1], 2))
     for role, agent in agents.items():

@@ -1,4 +1,4 @@
-"""The mobile arm through real processes, beside the same runs in lockstep."""
+"""The mobile arm as real processes, beside the same runs in lockstep."""
 
 import os
 from dataclasses import dataclass
@@ -18,14 +18,14 @@ from studies.platform_measures import acquisition
 from studies.study import Claim, Findings, Progress, Row, Study, share
 
 SPEED = 3
-"""How many times as fast as real time the processes run."""
+"""Plant time over real time."""
 CELLS = 10
-"""Random cells of the fault map."""
+"""Number of random cells of the fault map."""
 SEED = 7
 
 
 class Case(NamedTuple):
-    """One run: where it starts (6,) [rad], what breaks, and when [s]."""
+    """One run: its name, start (6,) [rad], fault, and time of the fault [s]."""
 
     name: str
     q: Array
@@ -33,8 +33,8 @@ class Case(NamedTuple):
     at: float
 
 
-class Beside(NamedTuple):
-    """Final and worst error after acquisition [m], and its time [s], of one way to run a case."""
+class Evaluated(NamedTuple):
+    """Final error and worst error after acquisition [m], and time of acquisition [s]."""
 
     final: float
     worst: float
@@ -43,7 +43,7 @@ class Beside(NamedTuple):
 
 @dataclass(frozen=True)
 class LiveFound(Findings):
-    """What the study found: for each case the lockstep, the processes, and their hands."""
+    """Results of the study: each case, its lockstep trace, and the log of its processes."""
 
     cases: tuple[Case, ...]
     traces: tuple[Trace, ...]
@@ -51,13 +51,13 @@ class LiveFound(Findings):
 
 
 class MobileLive(Study[LiveFound]):
-    """Nominal, the paper's three faults and ten cells of the map: ten processes on Zenoh each."""
+    """No fault, the paper's three faults, and ten cells of the map; ten processes each."""
 
     name = "mobile-live"
-    title = "The mobile arm through real processes, beside lockstep"
+    title = "The mobile arm as real processes and in lockstep"
 
     def measure(self, size: float, progress: Progress) -> LiveFound:
-        """Run each case both ways; `size` is the share of the ten cells."""
+        """Run each case with processes and in lockstep; `size` is the share of the ten cells."""
         which = (*paper_cases(), *map_cells(max(round(CELLS * size), 1)))
         progress.begin(len(which))
         rows, traces, records, agree = [], [], [], 0
@@ -67,13 +67,13 @@ class MobileLive(Study[LiveFound]):
             trace = run(plant(case.q), msma(), task().piece, DURATION, events=events)
             record = launch(ROOT / "deploy" / "arph.yaml", f"study{os.getpid()}", _options(case))
             step, live = (
-                beside(trace.t, trace.hand, case.at),
-                beside(record.t, record.hand, case.at),
+                evaluate(trace.t, trace.hand, case.at),
+                evaluate(record.t, record.hand, case.at),
             )
             held = live.final <= TOLERANCE
             agree += held == (step.final <= TOLERANCE)
             bar = "within 3 mm at the end, as in lockstep" if step.final <= TOLERANCE else ""
-            rows.append(Row(case.name, bar, f"{_words(live)}; lockstep {_words(step)}",
+            rows.append(Row(case.name, bar, f"{_text(live)}; lockstep {_text(step)}",
                             held if bar else None))  # fmt: skip
             traces.append(trace)
             records.append(record)
@@ -82,12 +82,12 @@ class MobileLive(Study[LiveFound]):
             claims=(
                 Claim(
                     "each agent is a process of its own, independent of the others (2, 5)",
-                    f"ten processes end as lockstep does in {share(agree, len(which))}",
+                    f"ten processes end as in lockstep in {share(agree, len(which))}",
                 ),
             ),
             notes=(
-                f"Real processes at {SPEED} times real time, 60 ms of plant time a period; "
-                "error at the end; worst error once acquired; time to acquire after the fault.",
+                f"Real processes at {SPEED} times real time, with periods of 60 ms of plant time: "
+                "error at the end, worst error once acquired, time from the fault to acquisition.",
             ),
             cases=which,
             traces=tuple(traces),
@@ -95,21 +95,21 @@ class MobileLive(Study[LiveFound]):
         )
 
     def draw(self, found: LiveFound, folder: Path) -> tuple[Path, ...]:
-        """Write the errors over time, both ways."""
-        from studies.drawing.comparison import both_ways
+        """Draw the errors over time, with processes and in lockstep."""
+        from studies.drawing.comparison import live_and_lockstep
 
         pairs = [
             (case.name, (trace.t, trace.error), (record.t, _error(record.t, record.hand)))
             for case, trace, record in zip(found.cases, found.traces, found.records, strict=True)
         ]
-        return (both_ways(pairs, folder / "mobile-live.png"),)
+        return (live_and_lockstep(pairs, folder / "mobile-live.png"),)
 
 
 def paper_cases() -> tuple[Case, ...]:
-    """Nothing broken, and the paper's three faults from the start."""
+    """Return a case without faults, and the paper's three faults from the start."""
     first, second = Fault("joint/1", "locked"), Fault("joint/2", "locked")
     return (
-        Case("nothing broken", POSTURE, None, 0.0),
+        Case("no fault", POSTURE, None, 0.0),
         Case("joint 1 at 60 deg off forward, left", posture(joint_1=60.0), first, 0.0),
         Case("joint 1 at 30 deg off forward, left", posture(joint_1=30.0), first, 0.0),
         Case("joint 2 at the Manus's 120 deg", POSTURE, second, 0.0),
@@ -117,7 +117,7 @@ def paper_cases() -> tuple[Case, ...]:
 
 
 def map_cells(count: int) -> tuple[Case, ...]:
-    """Random reachable cells of the map of one lock in mid-path."""
+    """Return random reachable cells of the map of one lock in mid-path."""
     cells = single_locks(MID)
     found: list[Case] = []
     for row in np.random.default_rng(SEED).permutation(len(cells.labels)).tolist():
@@ -132,8 +132,8 @@ def map_cells(count: int) -> tuple[Case, ...]:
     return tuple(found)
 
 
-def beside(t: Array, hand: Array, since: float) -> Beside:
-    """Judge a run by its hand (K, 3) [m] at times (K,) [s], on a grid of the control period."""
+def evaluate(t: Array, hand: Array, since: float) -> Evaluated:
+    """Evaluate a run from hand positions (K, 3) [m] at times (K,) [s], resampled to the period."""
     grid = np.arange(0.0, t[-1] + PERIOD / 2, PERIOD)
     on_grid = np.stack([np.interp(grid, t, column) for column in hand.T], axis=-1)
     goal = np.stack([task().piece(now).at(now) for now in grid])
@@ -141,7 +141,7 @@ def beside(t: Array, hand: Array, since: float) -> Beside:
     found = acquisition(
         Trace(grid, on_grid, goal, nothing, nothing, nothing, nothing), TOLERANCE, since
     )
-    return Beside(float(found.final), float(found.worst), float(found.time))
+    return Evaluated(float(found.final), float(found.worst), float(found.time))
 
 
 def _error(t: Array, hand: Array) -> Array:
@@ -158,6 +158,6 @@ def _options(case: Case) -> list[str]:
     return options
 
 
-def _words(ran: Beside) -> str:
+def _text(ran: Evaluated) -> str:
     worst = f"{1e3 * ran.worst:.1f} mm" if np.isfinite(ran.worst) else "never acquired"
     return f"{1e3 * ran.final:.2f} mm, {worst}, {ran.acquired:.1f} s"

@@ -1,24 +1,24 @@
-"""What the mobile arm can reach at all, whoever commands it: an oracle apart from all our laws.
+"""What the mobile arm can reach with any controller: an oracle that is independent of our laws.
 
-Two answers, one from above and one from below, from the geometry of ARPH alone:
+Two conditions, from the geometry of ARPH alone:
 
-- *Height* (necessary). The platform goes anywhere on the floor and faces any way, so all that the
-  arm must give is the height of the hand. A goal at a height that the free joints of the shoulder
-  and elbow cannot give is out of reach for every controller.
-- *Plan* (sufficient). A motion that keeps the hand exactly on the path from some moment to the end,
-  going forward only and within the limits of speed and acceleration of platform and joints, and
-  that the platform can be at in time: it turns towards the place, drives there, turns. Plans keep
-  the column at one angle (the locked one, or any of a grid) and one of shoulder and elbow at one
-  angle (likewise); the other gives the height, in either of its two ways, and the platform's motion
-  follows. If R(c) h is the hand seen from a platform that faces c, and g' the goal's velocity,
+- *Height* (necessary). The platform can be anywhere on the floor with any heading, so the arm only
+  has to provide the height of the hand. A goal at a height that shoulder and elbow cannot provide
+  is unreachable for any controller.
+- *Plan* (sufficient). A motion that keeps the hand exactly on the path from some time to the end,
+  forward only and within the speed and acceleration limits of platform and joints, and whose start
+  the platform can reach in time by turning, driving and turning again. A plan keeps the column at
+  one angle (the locked one, or one of a grid) and either shoulder or elbow at one angle (likewise);
+  the other one provides the height, by either of its two solutions, and the platform's motion
+  follows. If R(c) h is the hand seen from a platform with heading c, and g' the goal's velocity,
 
       g' = R(c) [ (v, 0) + w (-hy, hx) + h' ],   so with u = R(-c) g' - h'
       w = uy / hx   and   v = ux + w hy.
 
-  This steers the heading: stable with the hand ahead of the axle, unstable behind it, where plans
-  are therefore worked out backwards in time from their last heading (`plans.py`).
+  The heading is stable with the hand ahead of the axle and unstable behind it; there, plans are
+  computed backwards in time from their last heading (`feasible_plans.py`).
 
-Where the two agree, they are the truth; where only the height will do, it stays undecided.
+A goal for which only the first condition holds is undecided.
 """
 
 import numpy as np
@@ -27,22 +27,25 @@ import numpy.typing as npt
 from agents.agent import Array, Goal
 
 UPPER, FORE = 0.40, 0.48
-"""Lengths of the upper arm, and of forearm and straight hand [m]."""
+"""Lengths of the upper arm, and of the forearm with the straight hand [m]."""
 SHOULDER = 0.8375
 """Height of the shoulder [m]."""
 COLUMN = (-0.125, -0.075)
-"""The column's axis seen from the platform's middle: x, y [m]."""
+"""The column's axis in the frame of the platform's middle: x, y [m]."""
 ASIDE = 0.105
-"""The arm's plane lies so far to the right of the column's axis [m]."""
+"""Distance of the arm's plane to the right of the column's axis [m]."""
 
 Bools = npt.NDArray[np.bool_]
 
 
 def heights(locks: Array) -> tuple[Array, Array]:
-    """Lowest and highest hand [m] of arms with `locks` (..., 3) [rad]; NaN for a free joint.
+    """Return the lowest and the highest hand (...) [m] of arms with locked joints.
 
-    A free shoulder has -60 to 150 deg, a free elbow 150 deg either way. Exact for the elbow; the
-    shoulder's range is gone through in steps of a quarter of a degree.
+    A free shoulder ranges from -60 to 150 deg, a free elbow 150 deg to either side. The result is
+    exact for the elbow; the shoulder is sampled each quarter of a degree.
+
+    Args:
+        locks: (..., 3) angles of joints 1 to 3 [rad]; NaN for free joints.
     """
     shoulder = np.where(
         np.isnan(locks[..., 1, None]), np.radians(np.linspace(-60, 150, 841)), locks[..., 1, None]
@@ -50,7 +53,7 @@ def heights(locks: Array) -> tuple[Array, Array]:
     elbow = locks[..., 2, None]
     free = np.isnan(elbow)
     low, high = (
-        np.where(free, shoulder + way * np.radians(150.0), shoulder + elbow) for way in (-1, 1)
+        np.where(free, shoulder + side * np.radians(150.0), shoulder + elbow) for side in (-1, 1)
     )
     least = np.where(_contains(low, high, -np.pi / 2), -1.0, np.minimum(np.sin(low), np.sin(high)))
     most = np.where(_contains(low, high, np.pi / 2), 1.0, np.maximum(np.sin(low), np.sin(high)))
@@ -59,7 +62,7 @@ def heights(locks: Array) -> tuple[Array, Array]:
 
 
 def high_enough(locks: Array, goal: Goal, first: float, last: float) -> Bools:
-    """(C,) whether arms with `locks` (C, 3) have the goal's height from `first` to `last` [s]."""
+    """Tell whether arms with `locks` (C, 3) reach the goal's height from `first` to `last` [s]."""
     low, high = heights(locks)
     path = [goal.at(t)[..., 2] for t in (first, last)]
     rigid = ~np.isnan(locks[..., 1:]).any(axis=-1) & (path[0] != path[1])
@@ -68,6 +71,6 @@ def high_enough(locks: Array, goal: Goal, first: float, last: float) -> Bools:
 
 
 def _contains(low: Array, high: Array, angle: float) -> Bools:
-    """Whether `angle`, or the same some whole turns on, lies from low to high."""
+    """Tell whether `angle`, plus any number of whole turns, lies between low and high."""
     inside: Bools = low + np.remainder(angle - low, 2 * np.pi) <= high
     return inside

@@ -1,4 +1,4 @@
-"""Figure 9 of the paper: the task with a joint broken, in every reading of the paper's angles."""
+"""Figure 9 of the paper: the task with one joint broken, for each reading of the paper's angles."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,20 +17,20 @@ from studies.platform_measures import acquisition, heading_to_arm, reversal
 from studies.study import Claim, Findings, Progress, Row, Study
 
 FINE = 0.001
-"""The short period [s]."""
+"""The shorter control period [s]."""
 BOUNDS = {PERIOD: 0.003, FINE: 0.001}
-"""Bars on the error after acquisition, by period [s], [m]."""
+"""Bars on the error after acquisition [m], by period [s]."""
 IN_TIME = 6.0
-"""Bar on the acquisition [s]."""
+"""Bar on the time of acquisition [s]."""
 
 
 class Case(NamedTuple):
     """One broken joint.
 
     Attributes:
-        name: In words.
-        joint: From 0; None when nothing is broken.
-        q: (6,) the start, with the joint at the angle where it is locked [rad].
+        name: Name of the case.
+        joint: The broken joint, from 0; None for no fault.
+        q: (6,) joint angles at the start, with the joint at its locked angle [rad].
     """
 
     name: str
@@ -42,14 +42,14 @@ class RunOutcome(NamedTuple):
     """All cases at one period.
 
     Attributes:
-        period: [s].
-        trace: Of all cases at once, a tick each 60 ms.
-        acquired: (C,) [s]; inf for never.
-        worst: (C,) largest error from there on [m].
+        period: Control period [s].
+        trace: Trace of all cases, a tick each 60 ms.
+        acquired: (C,) time of acquisition [s]; infinite if never.
+        worst: (C,) largest error after acquisition [m].
         late: (C,) largest error of the last eight seconds [m].
-        reversed: (C,) distance gone backwards [m].
+        reversed: (C,) distance in reverse [m].
         lined_up: (C,) final angle between heading and arm [rad].
-        elbow: (C, 2) from straight, least after acquisition and final [rad].
+        elbow: (C, 2) angle from straight, least after acquisition and final [rad].
     """
 
     period: float
@@ -64,15 +64,15 @@ class RunOutcome(NamedTuple):
 
 @dataclass(frozen=True)
 class FaultsFound(Findings):
-    """What the study found."""
+    """Results of the study: the cases, and their runs at each period."""
 
     cases: tuple[Case, ...]
-    courses: tuple[RunOutcome, ...]
+    runs: tuple[RunOutcome, ...]
 
 
 def cases() -> tuple[Case, ...]:
-    """The nominal case, and each fault of the paper in both readings."""
-    found = [Case("nothing broken", None, POSTURE)]
+    """Return the case without a fault, and each fault of the paper in both readings."""
+    found = [Case("no fault", None, POSTURE)]
     for off in (60, 30):
         for side, sign in (("left", 1), ("right", -1)):
             name = f"joint 1 at {off} deg off forward, {side}"
@@ -86,8 +86,8 @@ def cases() -> tuple[Case, ...]:
     return tuple(found)
 
 
-def course(which: tuple[Case, ...], period: float, duration: float = DURATION) -> RunOutcome:
-    """Run all cases at once."""
+def run_cases(which: tuple[Case, ...], period: float, duration: float = DURATION) -> RunOutcome:
+    """Run all cases as one batch."""
     each = BatchFaults.none(ARPH, len(which))
     q = np.stack([case.q for case in which])
     for row, case in enumerate(which):
@@ -115,7 +115,7 @@ def course(which: tuple[Case, ...], period: float, duration: float = DURATION) -
 
 
 class PaperFaults(Study[FaultsFound]):
-    """The paper's three faults, in every reading, at 60 ms and at 1 ms."""
+    """The paper's three faults, in each reading, at 60 ms and at 1 ms."""
 
     name = "paper-faults"
     title = "The paper's faults: the hand against the goal (figure 9)"
@@ -125,15 +125,15 @@ class PaperFaults(Study[FaultsFound]):
         progress.begin(42)
         progress.step("60 ms", 1)
         which = cases()
-        courses = [course(which, PERIOD)]
+        runs = [run_cases(which, PERIOD)]
         progress.step("1 ms", 40)
         short = max(round(DURATION * size / PERIOD), 50) * PERIOD
-        courses.append(course(which, FINE, short))
+        runs.append(run_cases(which, FINE, short))
         progress.step("oracle", 1)
         possible = _possible(which)
         return FaultsFound(
-            rows=_rows(which, courses, possible),
-            claims=_claims(which, courses[0]),
+            rows=_rows(which, runs, possible),
+            claims=_claims(which, runs[0]),
             notes=(
                 "Joints are locked from the start at the given angle; the goal's path is that of "
                 "Table 1. Acquired: the error stays within the bound for one second. The planner's "
@@ -141,11 +141,11 @@ class PaperFaults(Study[FaultsFound]):
                 "(studies/feasible_plans.py).",
             ),
             cases=which,
-            courses=tuple(courses),
+            runs=tuple(runs),
         )
 
     def draw(self, found: FaultsFound, folder: Path) -> tuple[Path, ...]:
-        """Write figure 9, for each period."""
+        """Draw figure 9 for each period."""
         from studies.drawing.mobile_arm import against_goal
 
         return tuple(
@@ -157,7 +157,7 @@ class PaperFaults(Study[FaultsFound]):
                 f"The paper's faults, control period {1e3 * each.period:g} ms",
                 folder / f"paper-faults-{1e3 * each.period:g}ms.png",
             )
-            for each in found.courses
+            for each in found.runs
         )
 
 
@@ -173,9 +173,9 @@ def _possible(which: tuple[Case, ...]) -> Array:
     return np.array(answer)
 
 
-def _rows(which: tuple[Case, ...], courses: list[RunOutcome], possible: Array) -> tuple[Row, ...]:
+def _rows(which: tuple[Case, ...], runs: list[RunOutcome], possible: Array) -> tuple[Row, ...]:
     rows = []
-    for each in courses:
+    for each in runs:
         bound, label = BOUNDS[each.period], f"{1e3 * each.period:g} ms"
         for row, case in enumerate(which):
             acquired, worst = each.acquired[row], each.worst[row]

@@ -1,4 +1,4 @@
-"""Measures of a moving platform with an arm: is it a motion that a person beside it likes?"""
+"""Measures of a mobile arm's motion: reverse, cusps, smoothness, acquisition and stalls."""
 
 from typing import NamedTuple
 
@@ -10,24 +10,24 @@ from plant.kinematics import Kinematics
 from studies.lockstep import Trace
 
 STILL = 0.002
-"""Speed of the platform under which it goes neither forward nor back [m/s]."""
+"""Speed of the platform below which it counts as standing [m/s]."""
 
 NEAR = 0.01
-"""Distance from the goal within which nothing is stuck [m]."""
+"""Distance from the goal within which there are no stalls [m]."""
 PROGRESS, WINDOW = 0.98, 1.0
-"""More than this share of the distance left after so long [s] is no progress."""
+"""There is no progress if more than this share of the distance is left after this time [s]."""
 
 
 def reversal(base_velocity: Array, dt: float) -> Array:
-    """(...) distance gone backwards [m]: of (K, ..., 2) speeds at ticks `dt` [s] apart."""
+    """Return the distance in reverse (...) [m], for speeds (K, ..., 2) at ticks `dt` [s] apart."""
     back: Array = np.maximum(-base_velocity[..., 0], 0.0).sum(axis=0) * dt
     return back
 
 
 def cusps(base_velocity: Array) -> npt.NDArray[np.int64]:
-    """(...) how often the platform turned from forward to back or the other way: the path's cusps.
+    """Return the number of cusps (...): changes between forward and reverse.
 
-    Speeds (K, ..., 2) under `STILL` count for neither.
+    Speeds (K, ..., 2) below `STILL` count as neither.
     """
     way = np.where(np.abs(base_velocity[..., 0]) < STILL, 0.0, np.sign(base_velocity[..., 0]))
     last = np.zeros(way.shape[1:])
@@ -39,7 +39,7 @@ def cusps(base_velocity: Array) -> npt.NDArray[np.int64]:
 
 
 def cusp_ticks(base_velocity: Array) -> list[int]:
-    """The ticks at which one platform's path (K, 2) has its cusps."""
+    """Return the ticks at which the path of one platform with speeds (K, 2) has cusps."""
     ticks, last = [], 0.0
     for tick, speed in enumerate(base_velocity[:, 0]):
         if abs(speed) < STILL:
@@ -51,9 +51,9 @@ def cusp_ticks(base_velocity: Array) -> list[int]:
 
 
 def heading_to_arm(kinematics: Kinematics, q: Array, base: Array) -> Array:
-    """(...) angle between where the platform heads and where its arm points, from above [rad].
+    """Return the angle (...) [rad] between the platform's heading and its arm, seen from above.
 
-    The arm points from its column (the first joint's axis) to the hand; 0 is lined up.
+    The arm points from its column (the axis of the first joint) to the hand; 0 is lined up.
     """
     arm = kinematics.forward(q, base)
     away = arm.tip - arm.points[..., 0, :]
@@ -62,25 +62,25 @@ def heading_to_arm(kinematics: Kinematics, q: Array, base: Array) -> Array:
 
 
 def path_roughness(base: Array, dt: float) -> Array:
-    """(...) root mean square of the jerk of the platform's middle [m/s3], (K, ..., 3) poses."""
+    """Return the rms jerk of the platform's middle (...) [m/s3], for poses (K, ..., 3)."""
     jerk = np.diff(base[..., :2], n=3, axis=0) / dt**3
     rms: Array = np.sqrt((jerk**2).sum(axis=-1).mean(axis=0))
     return rms
 
 
 def wrapped(angle: Array) -> Array:
-    """The same direction within -pi to pi [rad]."""
+    """Return the same direction within -pi to pi [rad]."""
     within: Array = np.remainder(angle + np.pi, 2.0 * np.pi) - np.pi
     return within
 
 
 class Acquisition(NamedTuple):
-    """When the hand first came within tolerance, and how well it stayed there, per run (...).
+    """When the hand came within tolerance, and how well it stayed there, for each run (...).
 
     Attributes:
-        time: [s] since the start of the trace or of the fault; inf if it never did.
-        worst: largest error from then on [m]; inf if never.
-        final: error at the end [m].
+        time: Time since the start of the trace or of the fault [s]; infinite if never.
+        worst: Largest error from then on [m]; infinite if never.
+        final: Error at the end [m].
     """
 
     time: Array
@@ -91,10 +91,16 @@ class Acquisition(NamedTuple):
 def acquisition(
     trace: Trace, tolerance: float, since: float = 0.0, stay: float = 1.0
 ) -> Acquisition:
-    """When each hand of the trace came within `tolerance` [m], looking from `since` [s] on.
+    """Return when each hand of a trace acquired its goal.
 
-    It has acquired the goal once it stays within for `stay` [s]: one that only flies through has
-    not. `worst` is the largest error from there to the end, leaving again included.
+    A hand has acquired the goal once it stays within tolerance for some time; passing through does
+    not count. The worst error is the largest from there to the end.
+
+    Args:
+        trace: The runs.
+        tolerance: [m].
+        since: Ignore what happened before [s].
+        stay: How long a hand has to stay within tolerance [s].
     """
     error = trace.error
     dt = float(trace.t[1] - trace.t[0])
@@ -117,21 +123,23 @@ def acquisition(
 
 
 def path_length(base: Array) -> Array:
-    """(...) how far the platform's middle went [m], of (K, ..., 3) poses."""
+    """Return the path length of the platform's middle (...) [m], for poses (K, ..., 3)."""
     length: Array = np.sqrt((np.diff(base[..., :2], axis=0) ** 2).sum(axis=-1)).sum(axis=0)
     return length
 
 
 def turned_about(base: Array) -> Array:
-    """(...) through how much the platform turned, there and back [rad], of (K, ..., 3) poses."""
+    """Return the total turn of the platform, both ways (...) [rad], for poses (K, ..., 3)."""
     turned: Array = np.abs(np.diff(base[..., 2], axis=0)).sum(axis=0)
     return turned
 
 
 def stalled(error: Array, dt: float) -> tuple[list[float], bool]:
-    """How long each time without progress took [s], and whether the last one lasts to the end.
+    """Return how long each stall took [s], and whether the last one continues to the end.
 
-    error: (K,) [m] at ticks `dt` [s] apart
+    Args:
+        error: (K,) distances to the goal [m].
+        dt: Time between ticks [s].
     """
     window = round(WINDOW / dt)
     lengths: list[float] = []

@@ -1,4 +1,4 @@
-"""Figure 8 of the paper: how the platform moves, with MSMA and with MIM."""
+"""Figure 8 of the paper: the platform's motion with MSMA and with MIM."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,23 +23,25 @@ from studies.platform_measures import (
 from studies.study import Claim, Findings, Progress, Row, Study
 
 SETTLED = 2.0
-"""After that the error counts [s]."""
+"""Time from which the error counts [s]."""
 FINE = 0.001
-"""The short period [s]."""
+"""The shorter control period [s]."""
 
 
 class Drive(NamedTuple):
-    """One controller's run of the paper's task, and what it was like.
+    """One controller's run of the paper's task, and its measures.
 
     Attributes:
-        name: Of the controller, with its period.
+        name: Name of the controller, with its period.
         trace: The run, a tick each 60 ms.
-        error: Largest after `SETTLED`, and of the first two seconds [m].
-        length: Of the platform's path [m]; `reversal` of it backwards [m], with `cusps` cusps.
-        turn: Heading turned through in all, there and back [rad].
-        roughness: Root mean square of the jerk of the platform's middle [m/s3].
-        lined_up: Angle between heading and arm: mean and final [rad].
-        elbow: From straight: least, and final [rad].
+        error: Largest error after `SETTLED`, and before [m].
+        length: Length of the platform's path [m].
+        reversal: Distance in reverse [m].
+        cusps: Number of cusps.
+        turn: Total turn of the heading in both directions [rad].
+        roughness: Rms jerk of the platform's middle [m/s3].
+        lined_up: Mean and final angle between heading and arm [rad].
+        elbow: Least and final angle of the elbow from straight [rad].
     """
 
     name: str
@@ -56,19 +58,19 @@ class Drive(NamedTuple):
 
 @dataclass(frozen=True)
 class PathFound(Findings):
-    """What the study found; `drives` are MSMA and MIM at 60 ms, MSMA at 1 ms."""
+    """Results of the study: MSMA and MIM at 60 ms, and MSMA at 1 ms."""
 
     drives: tuple[Drive, ...]
 
 
 class PlatformPath(Study[PathFound]):
-    """MSMA beside MIM on the paper's task."""
+    """MSMA and MIM on the paper's task."""
 
     name = "platform-path"
     title = "The platform's path with MSMA and with MIM (figure 8)"
 
     def measure(self, size: float, progress: Progress) -> PathFound:
-        """Drive the task with MIM and MSMA at 60 ms, and with MSMA at 1 ms for a `size` of it."""
+        """Run MSMA and MIM at 60 ms, and MSMA at 1 ms for a share `size` of the task."""
         progress.begin(26)
         progress.step("60 ms")
         coarse = drive("MSMA, 60 ms", msma(), PERIOD, DURATION)
@@ -80,17 +82,17 @@ class PlatformPath(Study[PathFound]):
             rows=_rows(coarse, mim, fine),
             claims=_claims(coarse, mim),
             notes=(
-                "Table 1 of the paper, 400 steps of 60 ms. A cusp is where the platform changes "
-                "between going forward and going backwards; the angle to the arm is that between "
-                "heading and hand as seen from the column.",
-                "MIM climbs the arm's manipulability sqrt(det(Ja Ja^T)), K = 4 1/s, k = 4, weights "
-                "0.3 for driving and 1 for turning; the same robot, limits and period.",
+                "Table 1 of the paper, 400 steps of 60 ms. A cusp is a change between forward and "
+                "reverse; the angle to the arm is that between the heading and the direction from "
+                "the column to the hand.",
+                "MIM maximises the arm's manipulability sqrt(det(Ja Ja^T)), K = 4 1/s, k = 4, with "
+                "weights 0.3 for driving and 1 for turning; the same robot, limits and period.",
             ),
             drives=(coarse, mim, fine),
         )
 
     def draw(self, found: PathFound, folder: Path) -> tuple[Path, ...]:
-        """Write figure 8."""
+        """Draw figure 8."""
         from studies.drawing.mobile_arm import platform_paths
 
         drives = [(each.name, each.trace) for each in found.drives[:2]]
@@ -98,7 +100,7 @@ class PlatformPath(Study[PathFound]):
 
 
 def drive(name: str, agents: dict[str, Agent], period: float, duration: float) -> Drive:
-    """Run the paper's task, and measure what the drive was like."""
+    """Run the paper's task, and measure the run."""
     robot = plant(period=period)
     whole = run(robot, agents, task().piece, duration)
     error = whole.error
@@ -135,22 +137,23 @@ def _rows(coarse: Drive, mim: Drive, fine: Drive) -> tuple[Row, ...]:
             mim.reversal > 0.0),
         Row("cusps, MSMA", "none", str(coarse.cusps), coarse.cusps == 0 and fine.cusps == 0),
         Row("cusps, MIM", "at least 1, as in the paper", str(mim.cusps), mim.cusps >= 1),
-        Row("MIM at the end", "going backwards", f"{mim.trace.base_velocity[-1, 0]:+.3f} m/s",
+        Row("forward speed at the end, MIM", "negative",
+            f"{mim.trace.base_velocity[-1, 0]:+.3f} m/s",
             bool(mim.trace.base_velocity[-1, 0] < 0.0)),
         Row("least elbow from straight, MSMA", "at least 15 deg", _degrees(coarse.elbow[0]),
             bool(np.degrees(coarse.elbow[0]) >= 15.0)),
     ]  # fmt: skip
     for each in (coarse, mim):
-        who = each.name.split(",")[0]
+        name = each.name.split(",")[0]
         rows += [
-            Row(f"error of the first 2 s, {who}", "", _mm(each.error[1])),
-            Row(f"heading to arm, mean and final, {who}", "",
+            Row(f"error of the first 2 s, {name}", "", _mm(each.error[1])),
+            Row(f"heading to arm, mean and final, {name}", "",
                 f"{_degrees(each.lined_up[0])}, {_degrees(each.lined_up[1])}"),
-            Row(f"elbow, least and final, {who}", "",
+            Row(f"elbow, least and final, {name}", "",
                 f"{_degrees(each.elbow[0])}, {_degrees(each.elbow[1])}"),
-            Row(f"platform's path, {who}", "",
+            Row(f"platform's path, {name}", "",
                 f"{each.length:.2f} m, turned through {_degrees(each.turn)}"),
-            Row(f"roughness of the platform's path, {who}", "", f"{each.roughness:.3f} m/s3 rms"),
+            Row(f"roughness of the platform's path, {name}", "", f"{each.roughness:.3f} m/s3 rms"),
         ]  # fmt: skip
     return tuple(rows)
 

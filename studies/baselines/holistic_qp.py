@@ -5,9 +5,9 @@ period, over x = (base turning and forward speed, joint speeds, slack),
 
     min 1/2 x' Q x + c' x   with  J x_robot + slack = v,   dampers near joint limits,   bounds,
 
-where Q weighs the base by 1/e and the slack by 1/e for the distance e to the goal, and c climbs the
-arm's manipulability and turns the base to face the hand. Ours has three rows, for the hand's
-position. The defaults are those of the authors' example program; `tuning.py` has the ones used.
+where Q weighs the base and the slack by 1/e for the distance e to the goal, and c climbs the arm's
+manipulability and turns the base to face the hand. Here J has three rows, for the hand's position.
+The defaults are those of the authors' example program; `tuning.py` has the values used.
 """
 
 import numpy as np
@@ -21,7 +21,7 @@ from studies.baselines.mim import Mim, manipulability
 
 
 class Holistic(CentralController):
-    """The holistic controller; it reverses when it likes to, as theirs does."""
+    """The holistic controller; it may reverse, as the original does."""
 
     def __init__(
         self,
@@ -39,15 +39,17 @@ class Holistic(CentralController):
     ) -> None:
         """Control joints 1 to 3 and the platform.
 
-        servo: share of the error made good in a second [1/s]
-        joint_cost: of the joints' speeds
-        base_cost: of the platform's speeds, times 1 m over the distance left
-        slack_cost: of what the hand's velocity misses, likewise
-        climb: how strongly it climbs the manipulability
-        face: how strongly the base turns to face the hand
-        ahead: share of the goal's velocity that is fed forward; theirs stood
-        nearest: the distance in the costs is never taken to be less [m]
-        solver: of the QP
+        Args:
+            robot: The mobile arm.
+            servo: Gain of the position error [1/s].
+            joint_cost: Cost of the joints' speeds.
+            base_cost: Cost of the platform's speeds, times 1 m over the distance to the goal.
+            slack_cost: Cost of the error in the hand's velocity, times the same.
+            climb: Gain of the manipulability gradient.
+            face: Gain of turning the base towards the hand.
+            ahead: Share of the goal's velocity that is fed forward; their goals did not move.
+            nearest: Lower bound of the distance in the costs [m].
+            solver: Solver of the QP.
         """
         self._geometry = Mim(robot)
         assert robot.drive is not None
@@ -60,7 +62,7 @@ class Holistic(CentralController):
         self._lower, self._upper = robot.lower[:3], robot.upper[:3]
 
     def commands(self, percepts: Percepts) -> Commands:
-        """Return what all motors are told; one QP for each robot of the batch."""
+        """Return the commands of all motors, by one QP for each robot of the batch."""
         joints, base, goal = percepts.joints, percepts.base, percepts.goal
         assert joints is not None
         assert base is not None
@@ -80,14 +82,14 @@ class Holistic(CentralController):
                 reduced[index], slope[index], wanted[index], float(distance[index]),
                 float(off[index]), q[index][:3],
             )  # fmt: skip
-        told = np.zeros_like(q)
-        told[..., :3] = speeds[..., 2:]
-        return Commands(told, speeds[..., :2])
+        velocities = np.zeros_like(q)
+        velocities[..., :3] = speeds[..., 2:]
+        return Commands(velocities, speeds[..., :2])
 
     def _solve(
         self, reduced: Array, slope: Array, wanted: Array, distance: float, off: float, q: Array
     ) -> Array:
-        """The speeds (5,): forward, turning, joints."""
+        """Return the speeds (5,): forward, turning, joints."""
         cost = np.concatenate(
             [
                 np.full(2, self._base_cost / distance),

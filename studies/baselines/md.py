@@ -1,4 +1,4 @@
-"""MD, the method of Duhaut 1993 that the paper compares itself with (figures 1, 4 and 5)."""
+"""MD, the method of Duhaut 1993, with which the paper compares (figures 1, 4 and 5)."""
 
 import numpy as np
 
@@ -6,13 +6,16 @@ from plant.robot import Array
 
 
 def uncoupled_pass(points: Array, goal: Array) -> Array:
-    """Return the arm after one pass of MD, at its base again: (..., n + 1, 2) [m].
+    """Return the arm after one pass of MD, coupled again at its base: (..., n + 1, 2) [m].
 
-    points: (..., n + 1, 2) [m], the joints from the base outwards and the hand; goal: (..., 2).
-    From the link with the hand inwards, each link turns to point at its sub-goal and is moved, as
-    if uncoupled, so that its end lies on it; where its base then lies is the sub-goal of the next.
-    At last the arm is coupled together again at its fixed base, its links' directions kept. A link
-    whose base lies on its sub-goal keeps its direction.
+    From the last link inwards, each link turns to point at its sub-goal and moves, as if uncoupled,
+    until its end is there; the new position of its base is the sub-goal of the next link. Finally
+    the links are coupled again at the fixed base, with the directions they have. A link whose base
+    lies on its sub-goal keeps its direction.
+
+    Args:
+        points: (..., n + 1, 2) the joints from the base outwards, and the hand [m].
+        goal: (..., 2) [m].
     """
     links = np.diff(points, axis=-2)
     lengths = np.sqrt((links**2).sum(axis=-1, keepdims=True))
@@ -32,7 +35,7 @@ def uncoupled_pass(points: Array, goal: Array) -> Array:
 
 
 def joint_angles(points: Array) -> Array:
-    """Return each link's angle to the one before it: (..., n) [rad], from (..., n + 1, 2) [m]."""
+    """Return joint angles (..., n) [rad] from the joints and the hand (..., n + 1, 2) [m]."""
     links = np.diff(points, axis=-2)
     heading = np.arctan2(links[..., 1], links[..., 0])
     bends = np.diff(heading, axis=-1, prepend=np.zeros_like(heading[..., :1]))
@@ -41,18 +44,24 @@ def joint_angles(points: Array) -> Array:
 
 
 def arm_points(q: Array, length: float) -> Array:
-    """Return joints and hand, (..., n + 1, 2) [m], of an arm of equal links at the origin."""
+    """Return joints and hand (..., n + 1, 2) [m] of an arm with equal links at the origin."""
     heading = np.cumsum(q, axis=-1)
     links = length * np.stack([np.cos(heading), np.sin(heading)], axis=-1)
     return np.concatenate([np.zeros_like(links[..., :1, :]), np.cumsum(links, axis=-2)], axis=-2)
 
 
 def follow(q: Array, goal: Array, *, length: float, step: float, steps: int) -> Array:
-    """Return the angles (steps + 1, ..., n) [rad] of arms that go where MD's passes send them.
+    """Return the joint angles (steps + 1, ..., n) [rad] of arms that follow the passes of MD.
 
-    q: (..., n) [rad] at the start; goal: (..., 2) [m]; length: of each link [m]. In each step a
-    pass is made from where the arm is; all joints turn towards its outcome in proportion, none by
-    more than `step` [rad], so that MD shares the motion out as it will, at the speed of ours.
+    Each step makes a pass from the present posture. All joints turn towards its result in
+    proportion, so that MD itself distributes the motion, at the speed of our arms.
+
+    Args:
+        q: (..., n) joint angles at the start [rad].
+        goal: (..., 2) [m].
+        length: Length of each link [m].
+        step: Largest turn of a joint in a step [rad].
+        steps: Number of steps.
     """
     ticks = [q]
     for _ in range(steps):

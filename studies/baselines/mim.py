@@ -3,7 +3,7 @@
 Chabane, Hoppenot and Colle 2005, after Bayle, Fourquet and Renaud 2001 and Yoshikawa 1985. The
 state q = (platform x, y, heading, joints) moves as q' = S(q) u, where u = (speed forward, turning
 speed, joint speeds); the hand moves as Jr u with the reduced Jacobian Jr = J S. The redundancy
-climbs a manipulability w:
+climbs the gradient of a manipulability w:
 
     u = W [ (Jr W)^+ (x'd + K e)  +  k (I - (Jr W)^+ Jr W) W S^T grad w ]
 """
@@ -24,7 +24,7 @@ Measure = Literal["arm", "whole", "bayle"]
 class Mim(CentralController):
     """The generalised inverse of the whole mobile arm.
 
-    Nothing in it penalises a negative speed of the platform, nor knows of joint ranges or faults.
+    It neither penalises reversing nor considers joint ranges or faults.
     """
 
     def __init__(
@@ -37,13 +37,16 @@ class Mim(CentralController):
         platform: tuple[float, float] = (0.3, 1.0),
         moving: tuple[int, ...] = (0, 1, 2),
     ) -> None:
-        """Control the `moving` joints (from 0) and the platform; other joints rest.
+        """Control the platform and some of the joints.
 
-        measure: what the redundancy improves. `arm`, Yoshikawa's sqrt(det(Ja Ja^T)) of the arm;
-            `whole`, the same of Jr; `bayle`, Bayle's sqrt(1 - smin^2 / smax^2) of Jr, made small
-        feedback: K, share of the error made good in a second [1/s]
-        climb: k, how strongly [u's units / w's unit]
-        platform: the elements of W for speed and turning of the platform; the joints have 1
+        Args:
+            robot: The mobile arm.
+            measure: The measure w: `arm`, Yoshikawa's sqrt(det(Ja Ja^T)) of the arm; `whole`, the
+                same of Jr; `bayle`, minus Bayle's sqrt(1 - smin^2 / smax^2) of Jr.
+            feedback: K, the gain of the position error [1/s].
+            climb: k, the gain of the gradient [units of u / unit of w].
+            platform: Elements of W for the platform's forward and turning speed; joints have 1.
+            moving: The controlled joints, from 0; the others rest.
         """
         self._kinematics = Kinematics(robot)
         self._robot = robot
@@ -53,7 +56,7 @@ class Mim(CentralController):
         self._weights = np.concatenate([platform, np.ones(len(moving))])
 
     def commands(self, percepts: Percepts) -> Commands:
-        """Return what all motors are told; the goal and all encoders must be there."""
+        """Return the commands of all motors; percepts must have joints, base and goal."""
         joints, base, goal = percepts.joints, percepts.base, percepts.goal
         assert joints is not None
         assert base is not None
@@ -68,12 +71,12 @@ class Mim(CentralController):
         pull = self._climb * self._weights * gradient
         in_null_space = pull - _times(inverse, _times(weighted, pull))
         speeds = self._weights * (_times(inverse, wanted) + in_null_space)
-        told = np.zeros_like(joints.position)
-        told[..., self._moving] = speeds[..., 2:]
-        return Commands(told, speeds[..., :2])
+        velocities = np.zeros_like(joints.position)
+        velocities[..., self._moving] = speeds[..., 2:]
+        return Commands(velocities, speeds[..., :2])
 
     def reduced_jacobian(self, q: Array, base: Array) -> tuple[Array, Array]:
-        """The hand (..., 3) [m] and Jr (..., 3, 2 + m): columns for speed, turning, joints."""
+        """Return the hand (..., 3) [m] and Jr (..., 3, 2 + m), by speed, turning and joints."""
         arm = self._kinematics.forward(q, base)
         levers, axes = self._turns(q, base)
         reduced = np.empty((*arm.tip.shape, 1 + axes.shape[-2]))
@@ -82,11 +85,11 @@ class Mim(CentralController):
         return arm.tip, reduced
 
     def derivatives(self, q: Array, base: Array) -> Array:
-        """How Jr changes along each element of u (the first index): (..., 2 + m, 3, 2 + m).
+        """Return the derivatives of Jr along u (first index): (..., 2 + m, 3, 2 + m).
 
-        Moving forward changes no column. For turns i inside k (nearer to the base), turning i
-        carries column k along, a_i x J_k; turning k moves the hand only, so that column i, which is
-        a_i x lever, changes by a_i x J_k too. The column for speed turns with the platform.
+        Moving forward changes no column. For rotations i and k with i nearer to the base, rotation
+        i turns column k by a_i x J_k; rotation k moves only the hand, so column i, which is a_i x
+        lever, also changes by a_i x J_k. The column for speed turns with the platform.
         """
         levers, axes = self._turns(q, base)
         columns = np.cross(axes, levers)
@@ -101,22 +104,27 @@ class Mim(CentralController):
         return change
 
     def _turns(self, q: Array, base: Array) -> tuple[Array, Array]:
-        """Levers to the hand [m] and unit axes of all that turns, the platform first."""
+        """Return lever arms to the hand [m] and unit axes of all rotations, the platform first."""
         arm = self._kinematics.forward(q, base)
-        place = np.zeros((*arm.tip.shape[:-1], 1, 3))
-        place[..., 0, :2] = base[..., :2]
-        up = np.zeros_like(place)
+        middle = np.zeros((*arm.tip.shape[:-1], 1, 3))
+        middle[..., 0, :2] = base[..., :2]
+        up = np.zeros_like(middle)
         up[..., 2] = 1.0
-        points = np.concatenate([place, arm.points[..., self._moving, :]], axis=-2)
+        points = np.concatenate([middle, arm.points[..., self._moving, :]], axis=-2)
         axes = np.concatenate([up, arm.axes[..., self._moving, :]], axis=-2)
         return arm.tip[..., None, :] - points, axes
 
 
 def manipulability(reduced: Array, change: Array, measure: Measure) -> tuple[Array, Array]:
-    """The measure w (...) to be made large, and its slope along each element of u (..., 2 + m).
+    """Return the measure w (...) to maximise, and its gradient along u (..., 2 + m).
 
-    reduced: Jr (..., 3, 2 + m); change: its derivatives along u (..., 2 + m, 3, 2 + m). Bayle's
-    eccentricity counts negatively, for it is 0 where the hand moves equally well in all directions.
+    Bayle's eccentricity is 0 where the hand moves equally well in all directions, so it enters with
+    a negative sign.
+
+    Args:
+        reduced: (..., 3, 2 + m) Jr.
+        change: (..., 2 + m, 3, 2 + m) derivatives of Jr along u.
+        measure: Which measure; see `Mim`.
     """
     if measure == "bayle":
         left, sizes, right = np.linalg.svd(reduced, full_matrices=False)

@@ -1,6 +1,6 @@
-"""How the baselines were tuned: the best of many random choices on the paper's task, unbroken.
+"""Random search for the baselines' parameters, on the paper's task without faults.
 
-`python -m studies.baselines.tuning` does it again and prints what `TUNED` holds.
+`python -m studies.baselines.tuning` repeats the search and prints the values of `TUNED`.
 """
 
 import sys
@@ -20,21 +20,21 @@ SEED = 11
 
 
 class Range(NamedTuple):
-    """Where a parameter is looked for: between two values, all orders of size alike."""
+    """Search range of a parameter, sampled uniformly on a logarithmic scale."""
 
     low: float
     high: float
 
 
 class Score(NamedTuple):
-    """What is made small.
+    """What the search minimises.
 
     Attributes:
         total: Worst error after 2 s [mm], plus 10 for each metre in reverse, plus 10 times the
             roughness of the platform's path [m/s3].
         error: Worst error after 2 s [m].
-        reversal: [m].
-        roughness: [m/s3].
+        reversal: Distance in reverse [m].
+        roughness: Roughness of the platform's path [m/s3].
     """
 
     total: float
@@ -44,20 +44,20 @@ class Score(NamedTuple):
 
 
 def mim(**values: Any) -> CentralController:
-    """MIM; the weights of driving and turning are two parameters."""
+    """Return MIM, with the weights of driving and turning as two parameters."""
     drive, turn = values.pop("drive"), values.pop("turn")
     return Mim(ARPH, platform=(drive, turn), **values)
 
 
 def whole_body(**values: Any) -> CentralController:
-    """The whole-body QP with pink."""
+    """Return the whole-body QP with pink."""
     from studies.baselines.whole_body_qp import WholeBody
 
     return WholeBody(ARPH, **values)
 
 
 def holistic(**values: Any) -> CentralController:
-    """The holistic QP."""
+    """Return the holistic QP."""
     from studies.baselines.holistic_qp import Holistic
 
     return Holistic(ARPH, ahead=1.0, **values)
@@ -100,12 +100,12 @@ TUNED: dict[str, dict[str, Any]] = {
         "climb": 0.000763, "face": 0.000448,
     },
 }  # fmt: skip
-"""What `tune` found: worst errors of 0.09, 0.05 and 0.06 mm after 2 s, and nothing in reverse."""
+"""Results of `tune`: worst errors of 0.09, 0.05 and 0.06 mm after 2 s, without reversing."""
 
 
-def score(mind: CentralController) -> Score:
-    """Run the paper's task with nothing broken."""
-    trace = run(plant(), as_agents(mind, ARPH), task().piece, DURATION)
+def score(controller: CentralController) -> Score:
+    """Run the paper's task without faults, and score the run."""
+    trace = run(plant(), as_agents(controller, ARPH), task().piece, DURATION)
     error = float(trace.error[trace.t >= 2.0].max())
     back = float(reversal(trace.base_velocity, PERIOD))
     rough = float(path_roughness(trace.base, PERIOD))
@@ -113,7 +113,7 @@ def score(mind: CentralController) -> Score:
 
 
 def draw(name: str, rng: np.random.Generator) -> dict[str, Any]:
-    """A random choice of the parameters of that baseline."""
+    """Return random parameters of a baseline."""
     values: dict[str, Any] = {}
     for key, where in RANGES[name].items():
         if isinstance(where, Range):
@@ -125,7 +125,7 @@ def draw(name: str, rng: np.random.Generator) -> dict[str, Any]:
 
 
 def tune(name: str, trials: int = TRIALS, seed: int = SEED) -> tuple[dict[str, Any], Score]:
-    """The best of so many random choices, and its score."""
+    """Return the best of `trials` random choices of parameters, and its score."""
     rng = np.random.default_rng(seed)
     best: tuple[dict[str, Any], Score] | None = None
     for _ in range(trials):
@@ -138,7 +138,7 @@ def tune(name: str, trials: int = TRIALS, seed: int = SEED) -> tuple[dict[str, A
 
 
 def tuned(name: str) -> CentralController:
-    """The baseline of that name as it was tuned."""
+    """Return a baseline with its tuned parameters."""
     return MAKERS[name](**TUNED[name])
 
 

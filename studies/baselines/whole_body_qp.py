@@ -1,8 +1,8 @@
-"""A whole-body QP with pink, as its users would write it: tasks with costs, limits, a solver.
+"""A whole-body QP with pink, written as its documentation suggests.
 
-pink (Caron and others) solves min sum of |J dq + gain e|^2 by cost, within limits of configuration
-and velocity. Tasks: the hand's position, and a posture to come back to. The platform is a planar
-joint that must not slip sideways, an equality constraint.
+pink (Caron and others) minimises the sum of cost |J dq + gain e|^2 over all tasks, within limits of
+configuration and velocity. The tasks are the hand's position and a reference posture. The platform
+is a planar joint with an equality constraint against sideways motion.
 """
 
 from importlib.resources import files
@@ -25,21 +25,21 @@ class NoSideslip(Task):  # type: ignore[misc]  # pink comes without types
     """The platform does not move sideways: the second element of its planar joint's velocity."""
 
     def __init__(self, nv: int) -> None:
-        """For a model with `nv` velocities."""
+        """Make the task for a model with `nv` velocities."""
         super().__init__(cost=1.0, gain=1.0)
         self._row = np.zeros((1, nv))
         self._row[0, 1] = 1.0
 
     def compute_error(self, configuration: Configuration) -> Array:
-        """There is none at the level of places."""
+        """Return zero: the task constrains velocities only."""
         return np.zeros(1)
 
     def compute_jacobian(self, configuration: Configuration) -> Array:
-        """The velocity sideways."""
+        """Return the row that selects the sideways velocity."""
         return self._row
 
     def __repr__(self) -> str:
-        """Its name."""
+        """Return the name of the task."""
         return "NoSideslip()"
 
 
@@ -59,12 +59,14 @@ class WholeBody(CentralController):
     ) -> None:
         """Control joints 1 to 3 and the platform of `arph`.
 
-        gain: of the hand's task, share of the error made good in a period
-        posture: cost of being off the starting posture, beside 1 for the hand [1/rad]
-        damping: of all velocities
-        ahead: share of the goal's motion of the coming period that its target includes
-        period: of the control loop [s]
-        solver: of the QP
+        Args:
+            robot: The mobile arm.
+            gain: Share of the hand's position error that is corrected in a period.
+            posture: Cost of the distance from the starting posture; the hand has 1 [1/rad].
+            damping: Damping of all velocities.
+            ahead: Share of the goal's motion in the coming period that the target includes.
+            period: Control period [s].
+            solver: Solver of the QP.
         """
         drive = robot.drive
         assert drive is not None
@@ -79,33 +81,33 @@ class WholeBody(CentralController):
         self._limits = [ConfigurationLimit(self._model), VelocityLimit(self._model, most)]
         self._hand = FrameTask("grip", position_cost=1.0, orientation_cost=0.0, gain=gain)
         self._posture = PostureTask(cost=posture)
-        self._posture.set_target(self._place(np.zeros(3), POSTURE))
+        self._posture.set_target(self._configuration(np.zeros(3), POSTURE))
         self._slip = NoSideslip(self._model.nv)
         self._damping, self._ahead = damping, ahead
         self._period, self._solver = period, solver
         self._data = self._model.createData()
 
     def commands(self, percepts: Percepts) -> Commands:
-        """Return what all motors are told; one QP for each robot of the batch."""
+        """Return the commands of all motors, by one QP for each robot of the batch."""
         joints, base, goal = percepts.joints, percepts.base, percepts.goal
         assert joints is not None
         assert base is not None
         assert goal is not None
         q = joints.position
         ahead = goal.velocity_at(percepts.t) * self._period * self._ahead
-        # a target that runs ahead by more than is asked for in a period, for the gain is a share
+        # divided by the gain because only that share of the error is corrected in a period
         target = goal.at(percepts.t) + ahead / self._hand.gain
         target = np.broadcast_to(target, (*q.shape[:-1], 3))
-        told, driven = np.zeros_like(q), np.zeros((*q.shape[:-1], 2))
+        velocities, driven = np.zeros_like(q), np.zeros((*q.shape[:-1], 2))
         for index in np.ndindex(q.shape[:-1]):
             velocity = self._solve(q[index], base[index], target[index])
-            told[index][:3] = velocity[3:]
+            velocities[index][:3] = velocity[3:]
             driven[index] = velocity[0], velocity[2]
-        return Commands(told, driven)
+        return Commands(velocities, driven)
 
     def _solve(self, q: Array, base: Array, target: Array) -> Array:
-        """(6,) the velocities of the planar joint and the arm's three."""
-        configuration = Configuration(self._model, self._data, self._place(base, q))
+        """Return the velocities (6,) of the planar joint and of the arm's three joints."""
+        configuration = Configuration(self._model, self._data, self._configuration(base, q))
         self._hand.set_target(pin.SE3(np.eye(3), target))
         try:
             velocity: Array = solve_ik(
@@ -113,11 +115,12 @@ class WholeBody(CentralController):
                 damping=self._damping, limits=self._limits, constraints=[self._slip],
                 safety_break=False,
             )  # fmt: skip
-        except PinkError:  # no solution: it rests
+        except PinkError:  # no solution
             return np.zeros(6)
         return velocity
 
-    def _place(self, base: Array, q: Array) -> Array:
+    def _configuration(self, base: Array, q: Array) -> Array:
+        """Return the configuration (8,) of the reduced model."""
         x, y, heading = base
         whole: Array = np.array(
             [x, y, np.cos(heading), np.sin(heading), np.cos(q[0]), np.sin(q[0]), q[1], q[2]]

@@ -1,4 +1,4 @@
-"""The picture of MSMA beside other controllers."""
+"""Pictures of MSMA beside other controllers, and of real processes beside lockstep."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -14,20 +14,23 @@ from studies.lockstep import Trace
 def compared(
     tried: Sequence[tuple[str, Trace, Sequence[Outcome]]], maps: Sequence[str], file: Path
 ) -> Path:
-    """Share of faults survived, map by map, and the nominal runs.
+    """Draw the share of faults survived on each map, and the runs without faults.
 
-    tried: of each controller its name, its nominal run, and how each map went
+    Args:
+        tried: Name, run without faults, and results on each map, for each controller.
+        maps: Names of the maps.
+        file: File to write.
     """
     figure, axes = sheet(11.0, 9.0, 2, 2)
     width = 0.8 / len(tried)
     at = np.arange(len(maps))
     hatches = ("", "//", "..", "xx")
-    for place, (name, trace, outcomes) in enumerate(tried):
+    for index, (name, trace, outcomes) in enumerate(tried):
         shares = [100.0 * outcome.share for outcome in outcomes]
-        bars = axes[0].bar(at + place * width, shares, width, color=COLOURS[place],
-                           hatch=hatches[place], edgecolor="white", label=name)  # fmt: skip
+        bars = axes[0].bar(at + index * width, shares, width, color=COLOURS[index],
+                           hatch=hatches[index], edgecolor="white", label=name)  # fmt: skip
         axes[0].bar_label(bars, fmt="%.0f", fontsize=8)
-        style, colour = DASHES[place], COLOURS[place]
+        style, colour = DASHES[index], COLOURS[index]
         axes[1].semilogy(trace.t, np.maximum(1e3 * trace.error, 1e-3), color=colour,
                          linestyle=style, label=name)  # fmt: skip
         axes[2].plot(trace.base[:, 1], trace.base[:, 0], color=colour, linestyle=style,
@@ -37,11 +40,11 @@ def compared(
                      color=colour, linestyle=style, label=name, where="post")  # fmt: skip
     axes[0].set_xticks(at + 0.4 - width / 2, [name.replace(", ", ",\n") for name in maps])
     axes[0].set(ylabel="reachable cells that end within 3 mm [%]", ylim=(0, 118))
-    axes[1].set(xlabel="time [s]", ylabel="error, nothing broken [mm]")
+    axes[1].set(xlabel="time [s]", ylabel="error without faults [mm]")
     axes[2].invert_xaxis()
     axes[2].set_aspect("equal", adjustable="datalim")
     axes[2].set(xlabel="y, to the left [m]", ylabel="x, ahead [m]",
-                title="the platform's path, nothing broken")  # fmt: skip
+                title="the platform's path without faults")  # fmt: skip
     axes[3].set(xscale="log", xlim=(0.05, 3000), xlabel="error at the end, all faults [mm]",
                 ylabel="share of the reachable cells [%]")  # fmt: skip
     axes[3].axvline(3.0, color="black", linestyle=":", linewidth=0.8)
@@ -50,10 +53,15 @@ def compared(
     return save(figure, file)
 
 
-def both_ways(
+def live_and_lockstep(
     pairs: Sequence[tuple[str, tuple[Array, Array], tuple[Array, Array]]], file: Path
 ) -> Path:
-    """Errors over time, in lockstep and through processes: a name, and times [s] and errors [m]."""
+    """Draw errors over time, in lockstep and with real processes.
+
+    Args:
+        pairs: Name of each case, with times [s] and errors [m] in lockstep and with processes.
+        file: File to write.
+    """
     rows = -(-len(pairs) // 3)
     figure, axes = sheet(11.0, 2.4 * rows, rows, 3)
     for axis, (name, step, live) in zip(axes, pairs, strict=False):

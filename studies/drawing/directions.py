@@ -1,4 +1,4 @@
-"""The picture of the runs in all directions."""
+"""Picture of the runs in all directions."""
 
 from pathlib import Path
 
@@ -9,8 +9,8 @@ from studies.drawing.style import BLUE, ORANGE, RED, save, sheet
 from studies.goal_runs import GoalRuns
 
 
-def ways(paths: GoalRuns, points: GoalRuns, file: Path) -> Path:
-    """Ways seen from above, and time, deadlock and elbow of each trip."""
+def directions(paths: GoalRuns, points: GoalRuns, file: Path) -> Path:
+    """Draw the paths from above, and time, stalls and elbow of each run."""
     figure, axes = sheet(11.0, 10.0, 2, 2)
     for axis, runs, title in ((axes[0], paths, "26 straight paths"), (axes[1], points, "goals")):
         _from_above(axis, runs, title)
@@ -27,8 +27,8 @@ def ways(paths: GoalRuns, points: GoalRuns, file: Path) -> Path:
     axes[2].set(xlabel="distance from the hand's start to the goal's end [m]",
                 ylabel="time until it stays within 3 mm [s]")  # fmt: skip
     axes[3].axvline(3.0, color="black", linestyle=":", label="bar: 3 s")
-    axes[3].set(xlabel="longest time without progress [s]",
-                ylabel="time with the elbow under 15 deg [s]")  # fmt: skip
+    axes[3].set(xlabel="longest stall [s]",
+                ylabel="time with the elbow below 15 deg [s]")  # fmt: skip
     for axis in axes[2:]:
         axis.legend(fontsize=8)
     return save(figure, file)

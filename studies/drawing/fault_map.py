@@ -1,4 +1,4 @@
-"""Heat maps of the fault map."""
+"""Pictures of the fault map."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -14,15 +14,15 @@ from studies.drawing.style import save, sheet
 from studies.fault_cells import RANGES, Map
 
 ERRORS = LogNorm(0.1, 1000.0)
-"""Colours of errors [mm]."""
+"""Colour scale of errors [mm]."""
 TIMES = Normalize(0.0, 16.0)
-"""Colours of the planner's time [s]."""
-STRIPS = ("worst error\nonce acquired", "error\nat the end", "when a plan\nis there")
+"""Colour scale of the planner's time [s]."""
+ROWS = ("worst error\nonce acquired", "error\nat the end", "time of the\nfirst plan")
 NAMES = ("joint 1", "joint 2", "joint 3")
 
 
 def strips(maps: Sequence[Map], file: Path) -> Path:
-    """One lock: for each joint a strip of angles of when a plan is there, final and worst error."""
+    """Draw one lock: for each joint, the plan's time, the final and the worst error by angle."""
     figure, axes = sheet(11.0, 8.0, 3, len(maps))
     for column, each in enumerate(maps):
         joints = np.argmax(~np.isnan(each.cells.locks), axis=1)
@@ -36,48 +36,45 @@ def strips(maps: Sequence[Map], file: Path) -> Path:
                 for part in (o.final, o.worst)
             ]
             _paint(axis, RANGES[joint], np.array([0.0, 1.0, 2.0]), np.stack([*errors[::-1], plan]))
-            axis.set_yticks(
-                [0, 1, 2],
-                ["worst error\nonce acquired", "error\nat the end", "when a plan\nis there"],
-            )
+            axis.set_yticks([0, 1, 2], ROWS)
             axis.set(xlabel=f"{NAMES[joint]} locked at [deg]")
             if joint == 0:
                 axis.set_title(each.cells.name)
-    figure.suptitle("Hatched is out of reach for any controller; yellow at worst: never acquired")
+    figure.suptitle("Hatched: unreachable for any controller. Yellow worst error: never acquired")
     _bars(figure, axes)
     return save(figure, file)
 
 
 def pair_maps(each: Map, file: Path) -> Path:
-    """Two locks: when a plan is there, error at the end, worst error; (1, 2) above (1, 3)."""
+    """Draw two locks: the plan's time, the final and the worst error; (1, 2) above (1, 3)."""
     figure, axes = sheet(12.0, 8.5, 2, 3)
     o = each.outcome
     degrees = np.round(np.degrees(each.cells.locks))
     columns = (
-        ("when a plan is there", o.possible, TIMES, 1.0),
+        ("time of the first plan", o.possible, TIMES, 1.0),
         ("error at the end", o.final, ERRORS, 1e3),
         ("worst error once acquired", o.worst, ERRORS, 1e3),
     )
-    for place, other in enumerate((1, 2)):
+    for row, other in enumerate((1, 2)):
         rows = ~np.isnan(degrees[:, 0]) & ~np.isnan(degrees[:, other])
         for column, (title, values, scale, unit) in enumerate(columns):
             image = np.full((len(RANGES[other]), len(RANGES[0])), np.nan)
             i = np.searchsorted(RANGES[other], degrees[rows, other])
             j = np.searchsorted(RANGES[0], degrees[rows, 0])
             image[i, j] = np.where(o.reachable[rows], unit * values[rows], np.nan)
-            axis = axes[3 * place + column]
+            axis = axes[3 * row + column]
             _paint(axis, RANGES[0], RANGES[other], _scaled(image, scale))
             axis.set(xlabel="joint 1 [deg]", ylabel=f"{NAMES[other]} [deg]", title=title)
     figure.suptitle(
-        f"{each.cells.name}: hatched is out of reach (or undecided) for any controller; "
-        "with joints 2 and 3 all of it is"
+        f"{each.cells.name}. Hatched: unreachable (or undecided) for any controller, as are all "
+        "cells with joints 2 and 3 locked"
     )
     _bars(figure, axes)
     return save(figure, file)
 
 
 def _scaled(values: Array, scale: Normalize) -> Array:
-    """Values as 0 to 1 of their scale, where there are some; never is the end of the scale."""
+    """Return values from 0 to 1 of their scale, 1 for infinite ones; NaN stays NaN."""
     finite = np.where(np.isinf(values), 1e6, values)
     with np.errstate(invalid="ignore"):
         scaled = np.ma.filled(scale(np.nan_to_num(finite, nan=1.0)).astype(float), 1.0)
@@ -93,7 +90,7 @@ def _paint(axis: Axes, x: Array, y: Array, image: Array) -> QuadMesh:
 
 
 def _bars(figure: "mpl.figure.Figure", axes: Sequence[Axes]) -> None:
-    for scale, label in ((ERRORS, "error [mm]"), (TIMES, "a plan is there, after the fault [s]")):
+    for scale, label in ((ERRORS, "error [mm]"), (TIMES, "first plan, time after the fault [s]")):
         colours = mpl.cm.ScalarMappable(norm=scale, cmap="cividis")
         bar = figure.colorbar(colours, ax=list(axes), shrink=0.8, label=label)
         if scale is ERRORS:

@@ -13,9 +13,11 @@ from studies.platform_measures import cusp_ticks
 
 
 def platform_paths(drives: Sequence[tuple[str, Trace]], file: Path) -> Path:
-    """Figure 8: path and heading of the platform for two controllers, with their cusps.
+    """Draw figure 8: path and heading of the platform with two controllers, with their cusps.
 
-    drives: a name and a trace of each
+    Args:
+        drives: Name and trace of each.
+        file: File to write.
     """
     figure = page(10.0, 12.0)
     named = figure.subplot_mosaic(
@@ -32,10 +34,10 @@ def platform_paths(drives: Sequence[tuple[str, Trace]], file: Path) -> Path:
                      linewidth=2.5, label=f"elbow, {name}")  # fmt: skip
         axes[3].plot(trace.t, 100 * trace.base_velocity[:, 0], dash, color=colour,
                      label=f"forward speed, {name}")  # fmt: skip
-    axes[2].axhline(70, color="#8C8C8C", linewidth=1, linestyle=":", label="70 deg (the paper's)")
+    axes[2].axhline(70, color="#8C8C8C", linewidth=1, linestyle=":", label="70 deg (the paper)")
     axes[2].set(xlabel="time [s]", ylabel="angle [deg]", title="heading, and elbow from straight")
     axes[3].axhline(0, color="black", linewidth=0.8)
-    axes[3].set(xlabel="time [s]", ylabel="speed [cm/s]", title="under 0 it goes backwards")
+    axes[3].set(xlabel="time [s]", ylabel="speed [cm/s]", title="negative: in reverse")
     for axis in axes[2:]:
         axis.legend(fontsize=8)
     return save(figure, file)
@@ -44,9 +46,9 @@ def platform_paths(drives: Sequence[tuple[str, Trace]], file: Path) -> Path:
 def _one_path(axis: Axes, name: str, trace: Trace) -> None:
     x, y, heading = trace.base.T
     back = trace.base_velocity[:, 0] < 0
-    axis.plot(y, x, color=BLUE, linewidth=1.5, label="platform, going forward")
+    axis.plot(y, x, color=BLUE, linewidth=1.5, label="platform, forward")
     axis.plot(np.where(back, y, np.nan), np.where(back, x, np.nan), color=RED, linewidth=3,
-              label="platform, going backwards")  # fmt: skip
+              label="platform, in reverse")  # fmt: skip
     axis.plot(trace.hand[:, 1], trace.hand[:, 0], color="#8C8C8C", linestyle="--", label="hand")
     some = list(range(0, len(x), 40))
     axis.quiver(y[some], x[some], np.sin(heading[some]), np.cos(heading[some]), angles="xy",
@@ -64,9 +66,12 @@ def _one_path(axis: Axes, name: str, trace: Trace) -> None:
 
 
 def against_goal(runs: Iterable[tuple[str, Trace, Array]], title: str, file: Path) -> Path:
-    """Figure 9: x, y and z of several hands over time against the goal, and their error.
+    """Draw figure 9: x, y and z of several hands over time with the goal, and their error.
 
-    runs: a name, a trace, and the hand (K, 3) [m] of each
+    Args:
+        runs: Name, trace, and positions of the hand (K, 3) [m] of each.
+        title: Title of the picture.
+        file: File to write.
     """
     figure, axes = sheet(10.0, 9.0, 2, 2)
     many = list(runs)

@@ -5,7 +5,7 @@ import pytest
 
 from studies.launching import ROOT, LaunchFailedError, launch
 from studies.mobile import HAND, posture
-from studies.mobile_live import Case, _options, beside, map_cells, paper_cases
+from studies.mobile_live import Case, _options, evaluate, map_cells, paper_cases
 
 
 def test_real_processes_start_where_a_case_says_and_follow_the_goal() -> None:
@@ -13,7 +13,7 @@ def test_real_processes_start_where_a_case_says_and_follow_the_goal() -> None:
     options = [*_options(case), "--duration", "4 s", "--set", "goal.duration=24 s"]
     record = launch(ROOT / "deploy" / "arph.yaml", "teststudy", options)
     assert np.degrees(record.q[0, 0]) == pytest.approx(10.0, abs=3.0)
-    assert beside(record.t, record.hand, 0.0).final < 0.02
+    assert evaluate(record.t, record.hand, 0.0).final < 0.02
 
 
 def test_a_launch_that_is_refused_says_why(tmp_path: Path) -> None:
@@ -26,8 +26,8 @@ def test_the_cases_are_the_nominal_one_the_papers_three_and_reachable_cells() ->
     assert len({case.name for case in map_cells(3)}) == 3
 
 
-def test_a_hand_on_the_path_is_judged_so_whatever_the_times_of_its_record() -> None:
+def test_a_hand_on_the_path_is_evaluated_so_at_irregular_times() -> None:
     t = np.sort(np.random.default_rng(1).uniform(0.0, 24.0, 500))
     hand = HAND + t[:, None] * [0.0, -0.07, 0.02]
-    found = beside(t, hand, 0.0)
+    found = evaluate(t, hand, 0.0)
     assert found.worst < 0.003

@@ -2,10 +2,10 @@ from pathlib import Path
 
 import numpy as np
 
-from studies.fault_cells import MID, Map, oracle, outcome, pair_locks, play, single_locks
+from studies.fault_cells import MID, Map, oracle, outcome, pair_locks, simulate, single_locks
 from studies.fault_map import map_rows, misses
 from studies.mobile import DURATION, HAND, PERIOD, msma, plant
-from studies.paper_faults import cases, course
+from studies.paper_faults import cases, run_cases
 from studies.platform_path import PlatformPath, drive
 from studies.report import Report, as_json
 from studies.study import Findings, Progress
@@ -25,7 +25,7 @@ def test_msma_follows_the_papers_path_and_never_goes_backwards() -> None:
 def test_every_reading_of_the_papers_faults_is_a_case() -> None:
     yaws = sorted(round(float(np.degrees(case.q[0]))) for case in cases())
     assert yaws == [-60, -30, 0, 0, 30, 60, 120, 150]
-    short = course(cases(), PERIOD, 10.0)
+    short = run_cases(cases(), PERIOD, 10.0)
     np.testing.assert_array_less(short.trace.error[-1, :5], 0.003)
     assert short.reversed.max() == 0.0
 
@@ -39,15 +39,15 @@ def test_the_studies_tables_and_pictures_come_with_their_bars(tmp_path: Path) ->
     assert picture.stat().st_size > 10_000
 
 
-def test_cells_go_the_same_way_alone_and_among_others() -> None:
+def test_a_cell_runs_alike_alone_and_in_a_batch() -> None:
     cells = single_locks(MID)
-    together, alone = play(cells.part(slice(16, 60, 8))), play(cells.part(slice(24, 25)))
+    together, alone = simulate(cells.part(slice(16, 60, 8))), simulate(cells.part(slice(24, 25)))
     np.testing.assert_allclose(together.hand[:, 1], alone.hand[:, 0], atol=1e-6)
 
 
-def test_the_map_says_what_is_reachable_and_what_msma_makes_of_it() -> None:
+def test_the_map_shows_what_is_reachable_and_what_msma_reaches() -> None:
     cells = single_locks(MID).part(slice(16, 60, 8))
-    found = outcome(cells, play(cells), oracle(cells))
+    found = outcome(cells, simulate(cells), oracle(cells))
     assert cells.labels[1] == "joint/1:locked=60deg at 8 s"
     assert found.reachable.tolist() == [True, True, True, False, True, True]
     assert found.success[:2].all()
@@ -63,15 +63,15 @@ def test_no_pair_with_shoulder_and_elbow_locked_is_reachable() -> None:
 
 def test_the_tables_of_the_maps_can_be_written(tmp_path: Path) -> None:
     cells = single_locks(MID).part(slice(16, 60, 8))
-    rows = map_rows(Map(cells, outcome(cells, play(cells), oracle(cells))), 1.0)
+    rows = map_rows(Map(cells, outcome(cells, simulate(cells), oracle(cells))), 1.0)
     found = Findings(tuple(rows), (), ())
     assert as_json(Report("fault-map", "", found, (), 1.0, 1.0))
 
 
-def test_each_miss_of_the_map_is_told_with_its_reason() -> None:
+def test_each_miss_of_the_map_is_listed_with_its_reason() -> None:
     cells = pair_locks().part(slice(400, 404))
     none = np.zeros(4, dtype=bool)
-    o = outcome(cells, play(cells), (np.zeros(4), ~none))
+    o = outcome(cells, simulate(cells), (np.zeros(4), ~none))
     o = o._replace(
         final=np.array([0.001, 0.010, 0.020, 0.030]),
         coming=np.array([False, True, False, False]),
@@ -80,15 +80,17 @@ def test_each_miss_of_the_map_is_told_with_its_reason() -> None:
     said = misses(Map(cells, o))
     assert "1 where the hand is near the top" in said
     assert f"({cells.labels[2]}: 20 mm)" in said
-    assert "1 where it is still on its way" in said
-    assert "1 where neither of these" in said
+    assert "1 where it is still approaching" in said
+    assert "1 where neither holds" in said
     assert cells.labels[0] not in said
 
 
 def test_how_steeply_the_last_joint_lifts_the_hand_is_that_of_its_circle() -> None:
     cells = pair_locks().part(slice(400, 402))
     assert np.isnan(cells.locks).sum() == 2
-    slides = outcome(cells, play(cells), (np.zeros(2), np.ones(2, dtype=bool))).slides
+    slides = outcome(cells, simulate(cells), (np.zeros(2), np.ones(2, dtype=bool))).slides
     assert (np.isfinite(slides) & (slides > 0)).all()
     free = single_locks(MID).part(slice(0, 2))  # shoulder and elbow are both left
-    assert np.isnan(outcome(free, play(free), (np.zeros(2), np.ones(2, dtype=bool))).slides).all()
+    assert np.isnan(
+        outcome(free, simulate(free), (np.zeros(2), np.ones(2, dtype=bool))).slides
+    ).all()
