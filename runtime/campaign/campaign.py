@@ -20,7 +20,7 @@ from runtime.config.random_chaos import MANNERS, fault
 from runtime.config.tree import ConfigError
 from runtime.launching.launcher import prepare
 from runtime.results.evaluation import evaluate
-from runtime.results.logs import read_log
+from runtime.results.logs import log_lines
 from runtime.results.run_log import RunLogError, read_run_log
 from runtime.spawning.identity import ProcessId, processes_in
 from runtime.spawning.tasks import spawn
@@ -151,7 +151,7 @@ def _wait(launcher: "subprocess.Popen[bytes]", deployment: Deployment, folder: P
     wanted = any(event.role == WATCHER for event in deployment.chaos)
     try:
         while launcher.poll() is None:
-            if wanted and watcher is None and read_log(folder, "plant", "tick"):
+            if wanted and watcher is None and any(log_lines(folder, "plant", "tick")):
                 words = ["status", "--watch", "--file", str(folder / "deployment.yaml")]
                 watcher = spawn("runtime.cli", words, folder / "watcher.out")
             time.sleep(_POLL_PERIOD)

@@ -20,6 +20,7 @@ from runtime.config.security import SecuritySpec
 from runtime.config.specs import AgentSpec, Description, GoalSpec, NodeSpec, PlantSpec, Start
 from runtime.config.tree import ConfigError, YamlNode, read_file
 from runtime.errors import valid_are
+from runtime.processes.log_writer import LOG_MEGABYTES
 from runtime.wire.mesh import FIRST_COPY, SLOTS, Mesh, port_base
 from runtime.wire.security import Credentials
 from runtime.wire.topics import Contract, ContractError, Topic, file_name
@@ -60,6 +61,8 @@ class Deployment:
         scheduling: Priority of the processes: `normal`, `realtime` (fails where the system does not
             grant it), or `auto` (real-time where it is granted).
         runs: Folder of the runs' folders.
+        log_megabytes: Largest size of the log of each process [MB]; of a longer run the oldest
+            motion is dropped, and its events are kept.
         modules: Folder with your own classes; by default that of the deployment file.
         hosts: The machines that it runs on; by default this one alone, out of reach of others.
         security: Who may join; by default anyone who can reach its ports, with all rights.
@@ -85,6 +88,7 @@ class Deployment:
     port: Annotated[Port, Derived(lambda scope: port_base(scope["robot"]))]
     scheduling: Scheduling = "auto"
     runs: Annotated[Path, Output(), Derived(lambda _: Path.cwd() / "runs")]
+    log_megabytes: Annotated[int, Range(such_as="512", least=1)] = LOG_MEGABYTES
     modules: Annotated[Path, Derived(lambda scope: scope["folder"])]
     hosts: Annotated[Mapping[HostName, HostSpec], Derived(here_alone)]
     routers: tuple[Router, ...] = ()

@@ -207,7 +207,6 @@ class Launcher:
                 self._screen.show(self._view)
                 if self._strangers is not None:
                     self._strangers.look()
-                self._journal.flush()
             if life.over(now) or life.timed_out(now):
                 return
 

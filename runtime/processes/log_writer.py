@@ -1,6 +1,8 @@
-"""The log of one process: a file of JSON lines, written in batches."""
+"""The log of one process: JSON lines in files of bounded size, written by a thread of its own."""
 
 import json
+import os
+import stat
 import sys
 import threading
 import time
@@ -13,28 +15,55 @@ from typing import Any
 from plant.errors import MsmaError
 from runtime.wire.topics import file_name
 
+TICK = b'"event": "tick"'
+"""What a line of the robot's motion has and no other."""
+DROPPED = "dropped"
+"""The event that stands where older lines of motion were dropped."""
+LOG_MEGABYTES = 512
+"""What the log of one process may take by default [MB]: 20 minutes of a plant at 1 kHz."""
+_PARTS = 8  # files at most that have it together: the oldest eighth goes for a new one
+_PAUSE = 0.5  # [s] between two writes
+_PATIENCE = 1.0  # [s] that anybody waits for the disk
+_MOST_WAITING = 100_000  # lines that wait for a disk that hangs
+
+
+def numbered_parts(log: Path) -> dict[int, Path]:
+    """Return the older files of a log, ROLE.0.jsonl, ROLE.1.jsonl and so on, the oldest first."""
+    found = {}
+    for part in log.parent.glob(f"{log.stem}.*.jsonl"):
+        number = part.name.removeprefix(f"{log.stem}.").removesuffix(".jsonl")
+        if number.isdigit():
+            found[int(number)] = part
+    return dict(sorted(found.items()))
+
 
 class LogError(MsmaError, OSError):
     """A log that cannot be written; the message names the file and says why."""
 
 
 class LogWriter:
-    """Appends lines to ROLE.jsonl; a revived process goes on in the file of the former.
+    """Appends lines to ROLE.jsonl; a revived process continues the file.
 
-    Every line has `wall` (seconds since 1970), `t` (plant time, s) and `event`. Nothing is
-    written before `flush`, which the process's watchdog calls every half second.
+    Every line has `wall` (seconds since 1970), `t` (plant time, s) and `event`. No line waits for
+    the disk: a thread writes them every half second. When the file has an eighth of the log's
+    size it becomes ROLE.1.jsonl, ROLE.2.jsonl and so on. Of the oldest that is too many only the
+    motion of the robot is dropped: its other lines are kept in ROLE.0.jsonl.
     """
 
-    def __init__(self, folder: Path, role: str) -> None:
+    def __init__(self, folder: Path, role: str, megabytes: float = LOG_MEGABYTES) -> None:
         self.path = folder / f"{file_name(role)}.jsonl"
+        self._most = megabytes * 1e6 / _PARTS  # [bytes] of one file
         try:
             folder.mkdir(parents=True, exist_ok=True)
-            self._file = self.path.open("a", encoding="utf-8")
+            self._file = self._opened()
         except OSError as error:
             raise _unwritable(self.path, error) from None
         self._complained = False
-        self._lines: deque[str] = deque()
-        self._writing = threading.Lock()
+        self._lines: deque[str | threading.Event] = deque()
+        self._lost = 0
+        self._wake = threading.Event()
+        self._closing = False
+        self._thread: threading.Thread | None = None
 
     def write(self, t: float, event: str, **more: Any) -> None:
         """Note an event at plant time `t` [s]; with a `wall` if it was not just now."""
@@ -42,27 +71,95 @@ class LogWriter:
 
     def line(self, line: str) -> None:
         """Note a line that is JSON already."""
-        self._lines.append(line)
+        if self._closing:
+            return
+        if len(self._lines) < _MOST_WAITING:
+            self._lines.append(line)
+        else:
+            self._lost += 1
+        if self._thread is None:  # not before: a process with a thread cannot be forked
+            self._thread = threading.Thread(target=self._run, name="log", daemon=True)
+            self._thread.start()
 
-    def flush(self) -> None:
-        """Write what was noted. A disk that is full is complained of once: it stops nobody."""
-        with self._writing:
-            lines = [self._lines.popleft() for _ in range(len(self._lines))]
-            if not lines or self._file.closed:
-                return
-            try:
-                self._file.write("\n".join(lines) + "\n")
-                self._file.flush()
-            except OSError as error:
-                if not self._complained:
-                    print(_unwritable(self.path, error), file=sys.stderr)
-                self._complained = True
+    def flush(self, patience: float = _PATIENCE) -> bool:
+        """Have written what was noted; wait up to `patience` [s], and return whether it is."""
+        if self._thread is None:
+            return True
+        written = threading.Event()
+        self._lines.append(written)
+        self._wake.set()
+        return written.wait(patience)
 
     def close(self) -> None:
-        """Write the rest and close the file."""
-        self.flush()
-        with self._writing, suppress(OSError):
-            self._file.close()
+        """Write the rest and close the file; do not wait for a disk that hangs."""
+        if self._thread is not None:
+            self.flush()
+            self._closing = True
+            self._wake.set()
+        elif not self._closing:
+            self._closing = True
+            os.close(self._file)
+
+    def _run(self) -> None:
+        while not self._closing or self._lines:
+            self._wake.wait(_PAUSE)
+            self._wake.clear()
+            self._write()
+        os.close(self._file)
+
+    def _write(self) -> None:
+        """Write what waits; say once that this fails: a full disk stops nobody."""
+        waiting = [self._lines.popleft() for _ in range(len(self._lines))]
+        lines = [line for line in waiting if isinstance(line, str)]
+        if self._lost:
+            lines.append(_line("lost", lines=self._lost, why="the disk hung"))
+            self._lost = 0
+        try:
+            self._append("".join(f"{line}\n" for line in lines).encode())
+        except OSError as error:
+            if not self._complained:
+                print(_unwritable(self.path, error), file=sys.stderr)
+            self._complained = True
+        for written in waiting:
+            if isinstance(written, threading.Event):
+                written.set()
+
+    def _append(self, data: bytes) -> None:
+        if not data:
+            return
+        with suppress(FileNotFoundError):
+            if not os.path.samestat(os.stat(self.path), os.fstat(self._file)):  # by a copy
+                self._reopen()
+        while data:
+            data = data[os.write(self._file, data) :]
+        now = os.fstat(self._file)
+        if now.st_size >= self._most and stat.S_ISREG(now.st_mode):
+            self._rotate()
+
+    def _opened(self) -> int:
+        return os.open(self.path, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644)
+
+    def _reopen(self) -> None:
+        before, self._file = self._file, self._opened()
+        os.close(before)
+
+    def _rotate(self) -> None:
+        """Begin a new file, and drop the oldest of them that are too many."""
+        parts = numbered_parts(self.path)
+        rest = parts.pop(0, self.path.with_suffix(".0.jsonl"))
+        full = self.path.with_suffix(f".{max(parts, default=0) + 1}.jsonl")
+        self.path.rename(full)
+        self._reopen()
+        for old in [*parts.values(), full][: 1 - _PARTS]:
+            with old.open("rb") as whole, rest.open("ab") as kept:
+                kept.writelines(line for line in whole if TICK not in line)
+                why = f"it would take more than {self._most * _PARTS / 1e6:g} MB"
+                kept.write(f"{_line(DROPPED, why=why)}\n".encode())
+            old.unlink()
+
+
+def _line(event: str, **more: Any) -> str:
+    return json.dumps({"wall": round(time.time(), 6), "t": 0.0, "event": event, **more})
 
 
 def _unwritable(path: Path, error: OSError) -> LogError:

@@ -33,7 +33,7 @@ from runtime.wire.zenoh_internals.connection_log import ConnectionLog
 from runtime.wire.zenoh_internals.linger import disable_linger
 
 _CHECK = 0.25  # [s] between two looks of the watchdog
-_FLUSH, _REPORT = 2, 4  # looks from one flush of the log, one diag to the next
+_REPORT = 4  # looks from one diag to the next
 _LAST_RESORT = 3.0  # [s] after which a process whose bus does not close is ended by the system
 
 
@@ -76,7 +76,7 @@ class Process(Context):
             confine_realtime()
             found = run or find_run(self.bus)
             self.run = (found or new_run_folder(deployment.runs, deployment.robot)).absolute()
-            self.log = LogWriter(self.run, self.role)
+            self.log = LogWriter(self.run, self.role, deployment.log_megabytes)
             self._stack = stack.pop_all()
 
     def _set_scheduling(self) -> bool:
@@ -146,12 +146,11 @@ class Process(Context):
         except Exception as error:  # without a watchdog nothing may go on
             self._note_crash(error)
         self.log.write(self.t, "end", reason=self.ending.reason, code=self.ending.code)
-        self.log.flush()
         signal.setitimer(signal.ITIMER_REAL, _LAST_RESORT)
         self.bus.close()
 
     def _look_after(self, node: Node) -> None:
-        """Look four times a second whether to end; flush the log, and say how it is."""
+        """Look four times a second whether to end, and publish its diag."""
         publisher = self.bus.publisher(topics.diag(self.role))
         rate, overload = Rate(time.monotonic()), Overload(time.monotonic())
         if self._realtime:
@@ -176,8 +175,6 @@ class Process(Context):
                     self._step_down()
                 self._rate = rate.look(node.work.count, now)
                 publisher.send(self.diag(node))
-            if looks % _FLUSH == 0:
-                self.log.flush()
             looks += 1
 
     def _step_down(self) -> None:

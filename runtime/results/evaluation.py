@@ -95,7 +95,10 @@ class Evaluation:
 
 def goals(path: Path, t: Array) -> Array:
     """Return the goal positions [m] of a path at plant times `t` [s], (m,): (m, 3)."""
-    return np.array([path.piece(each).at(each) for each in t.tolist()])
+    positions = np.empty((len(t), 3))
+    for row, each in zip(positions, t.tolist(), strict=True):
+        row[:] = path.piece(each).at(each)
+    return positions
 
 
 def errors(log: RunLog, path: Path) -> Array:

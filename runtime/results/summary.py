@@ -210,6 +210,9 @@ def _logged(deployment: Deployment, run: Path, log: RunLog | None) -> Iterator[R
     """Yield the robot's faults and the restarts of processes, from the logs."""
     if log is None:
         return
+    if not log.is_whole:
+        what = "the plant's log begins here: what came before went over `log_megabytes`"
+        yield RunEvent(float(log.t[0]), f"{what}, and no figure counts it")
     for event in log.events:
         if event["event"] == "fault":
             yield RunEvent(event["t"], f"fault {event['fault']}")

@@ -1,11 +1,15 @@
 import json
+import os
 import re
 import threading
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
 
-from runtime.processes.log_writer import LogError, LogWriter, new_run_folder
+from runtime.processes.log_writer import LogError, LogWriter, new_run_folder, numbered_parts
+from runtime.results.logs import log_lines, read_log
+from tests.runtime.conftest import ProcessGroup
 
 
 def lines(path: Path) -> list[dict[str, object]]:
@@ -79,3 +83,87 @@ def test_a_full_disk_is_complained_of_once_and_stops_nobody(
         log.flush()
     log.close()
     assert capsys.readouterr().err.count("No space left") == 1
+
+
+SMALL = 0.08  # [MB]: 10 kB a file
+
+
+def tick(t: int) -> str:
+    return json.dumps({"wall": float(t), "t": float(t), "event": "tick", "hand": [0.1] * 50})
+
+
+def test_a_log_takes_no_more_than_its_limit_and_keeps_the_newest(tmp_path: Path) -> None:
+    log = LogWriter(tmp_path, "plant", SMALL)
+    for t in range(2000):
+        log.line(tick(t))
+        if t % 20 == 0:
+            assert log.flush(30.0)
+    log.close()
+    files = list(tmp_path.iterdir())
+    assert sum(file.stat().st_size for file in files) < 1.3 * SMALL * 1e6
+    kept = [line["t"] for line in log_lines(tmp_path, "plant", "tick")]
+    assert kept == list(range(2000 - len(kept), 2000))
+    assert len(kept) > 100
+
+
+def test_events_outlive_the_motion_that_is_dropped(tmp_path: Path) -> None:
+    log = LogWriter(tmp_path, "plant", SMALL)
+    for t in range(2000):
+        log.line(tick(t))
+        if t % 100 == 0:
+            log.write(float(t), "obeys", role="joint/1")
+            assert log.flush(30.0)
+    log.close()
+    assert [line["t"] for line in read_log(tmp_path, "plant", "obeys")] == list(range(0, 2000, 100))
+    assert read_log(tmp_path, "plant", "dropped")
+
+
+def test_a_revived_process_goes_on_with_the_numbers_of_the_files(tmp_path: Path) -> None:
+    for life in range(4):
+        log = LogWriter(tmp_path, "plant", SMALL)
+        for t in range(100):
+            log.line(tick(100 * life + t))
+        log.close()
+    assert [line["t"] for line in log_lines(tmp_path, "plant", "tick")] == list(range(400))
+    assert list(numbered_parts(tmp_path / "plant.jsonl")) == [1, 2, 3, 4]
+
+
+def test_two_copies_of_a_process_write_to_one_log(tmp_path: Path) -> None:
+    first, second = (LogWriter(tmp_path, "joint/1", SMALL) for _ in range(2))
+    for t in range(0, 200, 2):
+        first.line(tick(t))
+        assert first.flush(30.0)
+        second.line(tick(t + 1))
+        assert second.flush(30.0)
+    first.close()
+    second.close()
+    assert [line["t"] for line in log_lines(tmp_path, "joint/1", "tick")] == list(range(200))
+
+
+def test_a_disk_that_hangs_delays_neither_the_writer_nor_the_end(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "plant.jsonl")
+    nobody_reads = os.open(tmp_path / "plant.jsonl", os.O_RDWR)
+    log = LogWriter(tmp_path, "plant")
+    for t in range(1000):
+        log.line(tick(t))
+    assert not log.flush(0.1)  # the pipe is full
+    log.write(0.0, "end")
+    log.close()
+    os.set_blocking(nobody_reads, False)
+    while any(thread.name == "log" for thread in threading.enumerate()):
+        with suppress(BlockingIOError):
+            os.read(nobody_reads, 1 << 20)
+    os.close(nobody_reads)
+
+
+def test_the_end_of_a_run_is_noticed_while_the_disk_hangs(processes: ProcessGroup) -> None:
+    processes.run.mkdir()
+    os.mkfifo(processes.run / "plant.jsonl")
+    nobody_reads = os.open(processes.run / "plant.jsonl", os.O_RDWR)
+    processes.options += ["--set", "period=2ms", "--set", "duration=2s"]
+    processes.start("plant", "goal", "joint/2")
+    for role in ("plant", "goal", "joint/2"):
+        code, said = processes.result(role, 40.0)
+        assert code == 0, said
+        assert "the run is over" in said
+    os.close(nobody_reads)
