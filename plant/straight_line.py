@@ -1,7 +1,7 @@
-"""Forward kinematics of one robot as straight-line code: written out link by link, and compiled.
+"""Forward kinematics of one robot as straight-line code, written out link by link and compiled.
 
-Most numbers of most links are 0 or 1. What is multiplied by these is left out, so a lone arm, or
-thousands of them as arrays, take less than half the time of a loop over the links.
+Most numbers of most links are 0 or 1. Products with these are left out, so that one arm, or an
+array of thousands, takes less than half the time of a loop over the links.
 """
 
 from collections.abc import Callable, Sequence
@@ -16,14 +16,16 @@ _ZERO, _ONE, _MINUS_ONE = "0.0", "1.0", "-1.0"
 def forward_function(
     links: Sequence[Link], cos: Callable[[Any], Any], sin: Callable[[Any], Any]
 ) -> Forward:
-    """Return what takes the base's x, y [m], its heading and the joints' angles [rad].
+    """Return a function that computes the forward kinematics of one robot.
 
-    It returns a list: the grip point (3), the hand's rotation row by row (9), a point on each
-    joint's axis (3 n), and the axes (3 n). What is the same for all poses is a plain float. It
-    goes along the frames' columns x, y, z and p.
+    It takes x, y [m] and heading [rad] of the base, and then the joint angles [rad]. It returns a
+    list: the grip point (3), the rotation of the hand by rows (9), a point on each joint's axis
+    (3 n), and the axes (3 n). A number that is the same for all poses is a plain float.
 
-    links: of the base and of each joint, to the next frame
-    cos, sin: of the numbers, or arrays, that it is for
+    Args:
+        links: From the base and from each joint to the next frame.
+        cos: The cosine of the numbers, or arrays, that the function is for.
+        sin: The sine of the same.
     """
     code = _Code(cos, sin)
     x, y, z = (_ONE, _ZERO, _ZERO), (_ZERO, _ONE, _ZERO), (_ZERO, _ZERO, _ONE)

@@ -10,7 +10,6 @@ import pytest
 ROOT = Path(__file__).parent.parent
 FOLDERS = ("plant", "runtime")
 PENDING = [
-    *("plant/straight_line.py", "plant/motion.py", "runtime/campaign/forecast.py"),
     *("runtime/chaos", "runtime/launching", "runtime/processes", "runtime/spawning"),
     *("runtime/watching", "runtime/wire"),
 ]

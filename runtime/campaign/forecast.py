@@ -1,11 +1,11 @@
-"""Whether a goal stays in reach when processes are hit, before anything is started.
+"""Whether a goal stays within reach of a robot under a chaos schedule, before anything is started.
 
-Two answers, of which one suffices. A *witness*: the deployment's own agents, in step with the
-plant's own model, silent while their processes are down, end within the tolerance. *Geometry*: with
-the joints lost for good where they came to rest in that run, some posture of the others puts the
-hand on the goal, from anywhere if the platform is alive and else from where it stopped. Geometry
-knows nothing of how the agents decide, so what they merely fail at counts as within reach. Joints
-that never moved are taken to be held on purpose.
+Two criteria, of which one suffices. *Simulation*: the deployment's own agents, in lockstep with a
+kinematic plant and silent while their processes are down, end within the tolerance. *Geometry*:
+with the lost joints fixed where they came to rest in that simulation, some posture of the others
+puts the hand on the goal, from anywhere if the platform is alive and otherwise from where it
+stopped. Geometry knows nothing of how the agents decide, so where they merely fail the goal counts
+as within reach. Joints that never moved are assumed to be held on purpose.
 """
 
 from collections import Counter
@@ -23,20 +23,21 @@ from plant.plant import Commands, Setup
 from runtime.chaos.schedule import Due, Schedule
 from runtime.config.chaos import ChaosEvent
 from runtime.config.deployment import Deployment
-from runtime.results.reach import nearest
+from runtime.results.reach import smallest_distance
 from runtime.wire.topics import GOAL_SOURCE, PLATFORM_AGENT
 
-_COARSEST = 0.02  # [s]: a faster plant is stepped at this period
-_STILL = 0.001  # [rad]: a joint that turned less than that did not move
+_COARSEST = 0.02  # [s] shortest period that is simulated
+_STILL = 0.001  # [rad] a joint that turned less did not move
 _STARTING = 0.7  # [s] that a process takes to start
 
 
 class Forecast(NamedTuple):
     """How a run would end.
 
-    error: how far the hand is from where the path leads [m]
-    misled: how far the goal as it is told is from there [m], when its source was lost
-    nearest: how near any controller could bring the hand to the goal as it is told [m]
+    Attributes:
+        error: Distance of the hand from the end of the path [m].
+        misled: Distance of the published goal from there [m], if its source was lost.
+        nearest: Smallest distance of the hand from the published goal for any controller [m].
     """
 
     error: float
@@ -44,14 +45,19 @@ class Forecast(NamedTuple):
     nearest: float
 
     def in_reach(self, tolerance: float) -> bool:
-        """Tell whether the goal can be reached to within a tolerance [m]."""
+        """Return whether the goal can be reached within a tolerance [m]."""
         return self.error <= tolerance or max(self.misled, self.nearest) <= tolerance
 
 
 def forecast(deployment: Deployment, path: Path, duration: float) -> Forecast:
-    """Step a deployment through its chaos for `duration` [s], in one process and in no real time.
+    """Simulate a deployment and its chaos schedule in one process, faster than real time.
 
-    Networks do not break in a forecast.
+    Network events are ignored.
+
+    Args:
+        deployment: The deployment.
+        path: The path of its goal.
+        duration: Duration of the run [s].
     """
     deployment = replace(deployment, period=max(deployment.period, _COARSEST))
     processes = _AgentTeam(deployment)
@@ -60,31 +66,31 @@ def forecast(deployment: Deployment, path: Path, duration: float) -> Forecast:
     schedule = Schedule(_late(deployment.chaos, _STARTING * deployment.speed))
     goal = path.piece(0.0)
     moved = np.zeros(robot.n)
-    faults: dict[str, str] = {}  # by target, the kind
+    faults: dict[str, str] = {}  # the kind of each target's fault
     truth = plant.truth()
     for _ in range(round(duration / deployment.period)):
         for due in schedule.due(truth.t):
-            processes.hit(due)
+            processes.apply(due)
             if due.event.fault is not None:
                 fault = Fault.parse(due.event.fault, robot)
                 plant.inject(fault)
                 faults[fault.target] = fault.kind
-        if processes.is_there(GOAL_SOURCE):
+        if processes.is_up(GOAL_SOURCE):
             goal = path.piece(truth.t)
         plant.write(processes.decide(Percepts.of(plant.read(), goal), robot.n))
         plant.step()
         truth = plant.truth()
         moved = np.maximum(moved, np.abs(np.subtract(truth.q, start.joints)))
-    told, meant = goal.at(duration), path.piece(duration).at(duration)
+    published, intended = goal.at(duration), path.piece(duration).at(duration)
     locked = {target for target, kind in faults.items() if kind in ("locked", "limp")}
-    drives = processes.is_there(PLATFORM_AGENT) and PLATFORM_AGENT not in locked
+    drives = processes.is_up(PLATFORM_AGENT) and PLATFORM_AGENT not in locked
     roams = robot.drive is not None and drives
     return Forecast(
-        error=_distance(np.asarray(truth.position), meant),
-        misled=_distance(told, meant),
-        nearest=nearest(
+        error=_distance(np.asarray(truth.position), intended),
+        misled=_distance(published, intended),
+        nearest=smallest_distance(
             robot,
-            told,
+            published,
             np.asarray(truth.base),
             np.asarray(truth.q),
             stuck=[
@@ -96,7 +102,7 @@ def forecast(deployment: Deployment, path: Path, duration: float) -> Forecast:
 
 
 def _late(events: Iterable[ChaosEvent], starting: float) -> list[ChaosEvent]:
-    """Return the events, with processes there only after the time that they take to start [s]."""
+    """Return the events with restarts delayed by the time that a process takes to start [s]."""
     return [
         event if event.revive is None else replace(event, at=event.at + starting)
         for event in events
@@ -105,7 +111,7 @@ def _late(events: Iterable[ChaosEvent], starting: float) -> list[ChaosEvent]:
 
 def _is_stuck(joint: int, processes: "_AgentTeam", locked: set[str]) -> bool:
     role = f"joint/{joint + 1}"
-    return role in locked or not processes.is_there(role)
+    return role in locked or not processes.is_up(role)
 
 
 def _distance(here: Array, there: Array) -> float:
@@ -113,7 +119,7 @@ def _distance(here: Array, there: Array) -> float:
 
 
 class _AgentTeam:
-    """The agents and the goal source of a deployment, and who of them is there."""
+    """The agents and the goal source of a deployment, and which of them are up."""
 
     def __init__(self, deployment: Deployment) -> None:
         self._deployment = deployment
@@ -123,27 +129,27 @@ class _AgentTeam:
             agent.role: deployment.build_agent(agent.role) for agent in deployment.agents
         }
 
-    def is_there(self, role: str) -> bool:
-        """Tell whether any process of a role is alive and does not hang."""
+    def is_up(self, role: str) -> bool:
+        """Return whether any process of a role is alive and does not hang."""
         return self._living[role] > self._hung[role]
 
-    def hit(self, due: Due) -> None:
-        """Let an event begin or end."""
+    def apply(self, due: Due) -> None:
+        """Begin or end an event."""
         event = due.event
         if event.hang is not None:
             self._hung[event.hang] += -1 if due.over else 1
         elif event.revive is not None:
-            if not self.is_there(event.revive) and event.revive in self._agents:
+            if not self.is_up(event.revive) and event.revive in self._agents:
                 self._agents[event.revive] = self._deployment.build_agent(event.revive)
             self._living[event.revive] += 1
         elif (role := event.kill or event.stop) is not None:
             self._living[role] = max(self._living[role] - 1, 0)
 
     def decide(self, percepts: Percepts, joints: int) -> Commands:
-        """Return what those who are there command; the others' joints rest."""
+        """Return the commands of the agents that are up; other joints rest."""
         velocities, base = np.zeros(joints), np.zeros(2)
         for spec in self._deployment.agents:
-            if not self.is_there(spec.role):
+            if not self.is_up(spec.role):
                 continue
             wanted = self._agents[spec.role].decide(percepts)
             if wanted is None:

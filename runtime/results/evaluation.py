@@ -10,7 +10,7 @@ from agents.paths import Path
 from plant.kinematics import Kinematics
 from plant.robot import Robot
 from runtime.config.deployment import Deployment
-from runtime.results.reach import nearest
+from runtime.results.reach import smallest_distance
 from runtime.results.run_log import RunLog
 
 SETTLING = 2.0
@@ -137,7 +137,7 @@ def _tracking(log: RunLog, path: Path, tolerance: float, robot: Robot) -> Tracki
         worst=float(error[settled].max()),
         within=float(np.mean(error[settled] <= tolerance)),
         since=float(log.t[first]) if first < len(error) else None,
-        nearest=None if reached else nearest(robot, goal, log.base[-1], log.q[-1]),
+        nearest=None if reached else smallest_distance(robot, goal, log.base[-1], log.q[-1]),
     )
 
 

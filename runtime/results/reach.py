@@ -12,7 +12,7 @@ _STARTS = 64
 _SWEEPS = 60
 
 
-def nearest(
+def smallest_distance(
     robot: Robot,
     goal: Array,
     base: Array,

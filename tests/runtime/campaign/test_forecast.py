@@ -12,7 +12,7 @@ from runtime.campaign.forecast import Forecast, forecast
 from runtime.config.chaos import ChaosEvent
 from runtime.config.deployment import Deployment, load
 from runtime.config.random_chaos import fault
-from runtime.results.reach import nearest
+from runtime.results.reach import smallest_distance
 
 DEPLOY = Path(__file__).parents[3] / "deploy"
 END = 9.0  # [s]: long enough for the hand to settle
@@ -67,11 +67,11 @@ def test_geometry_agrees_with_what_is_known_of_the_arm() -> None:
     robot = urdf.load("arph")
     q, base = np.radians([0.0, 60.0, -115.0, 0.0, 0.0, 0.0]), np.zeros(3)
     far = np.array([5.0, 3.0, 1.0])
-    assert nearest(robot, far, base, q) > 4.0
-    assert nearest(robot, far, base, q, roams=True) == pytest.approx(0.0, abs=1e-6)
+    assert smallest_distance(robot, far, base, q) > 4.0
+    assert smallest_distance(robot, far, base, q, roams=True) == pytest.approx(0.0, abs=1e-6)
     # Shoulder at 0.8375 m, upper arm 0.40 m, forearm and straight hand 0.48 m.
     high = np.array([5.0, 3.0, 0.8375 + 0.40 * np.sin(np.radians(60)) + 0.48 + 0.1])
-    stuck = nearest(robot, high, base, q, stuck=[1, 3, 4, 5], roams=True)
+    stuck = smallest_distance(robot, high, base, q, stuck=[1, 3, 4, 5], roams=True)
     assert stuck == pytest.approx(0.1, abs=0.005)
 
 

@@ -14,7 +14,7 @@ from runtime.config.deployment import Deployment, load
 from runtime.launching.launcher import RunOutcome
 from runtime.processes.lifetime import FAILED, INTERRUPTED, OK
 from runtime.results.evaluation import evaluate, goals
-from runtime.results.reach import nearest
+from runtime.results.reach import smallest_distance
 from runtime.results.run_log import RunLog, RunLogError, read_run_log
 from runtime.results.summary import MISSED, Summary, summarise
 from runtime.watching.watcher import View
@@ -152,7 +152,7 @@ def test_a_goal_that_the_arm_reaches_is_found_to_be_within_reach(deployment: Dep
     lower, upper = np.maximum(robot.lower, -math.pi), np.minimum(robot.upper, math.pi)
     for q in rng.uniform(lower, upper, (5, robot.n)):
         goal = Kinematics(robot).forward(q, base).tip
-        assert nearest(robot, goal, base, start) < 1e-3
+        assert smallest_distance(robot, goal, base, start) < 1e-3
 
 
 def test_the_distance_of_a_goal_beyond_the_stretched_arm_is_found(deployment: Deployment) -> None:
@@ -160,4 +160,4 @@ def test_the_distance_of_a_goal_beyond_the_stretched_arm_is_found(deployment: De
     start = np.array(deployment.start.joints)
     shoulder = Kinematics(robot).forward(start).points[1]
     goal = shoulder + np.array([5.0, 0.0, 0.0])
-    assert nearest(robot, goal, np.zeros(3), start) == pytest.approx(5.0 - 0.88, abs=0.02)
+    assert smallest_distance(robot, goal, np.zeros(3), start) == pytest.approx(5.0 - 0.88, abs=0.02)
