@@ -7,12 +7,11 @@ from collections.abc import Mapping
 from plant.errors import MsmaError
 from plant.faults import Fault
 from runtime.processes.command_arbiter import EXPRESSIONS, CommandArbiter
-from runtime.processes.goal_memory import GoalMemory
 from runtime.processes.lifetime import FAILED
 from runtime.processes.meters import AnswerTimes
 from runtime.processes.node import Context, Node
 from runtime.processes.process import Process
-from runtime.processes.state_publisher import MotionLog, StatePublisher
+from runtime.processes.state_publisher import GoalMemory, MotionLog, StatePublisher
 from runtime.processes.timing import Pacer
 from runtime.wire import topics
 from runtime.wire.messages import Spread
@@ -111,7 +110,7 @@ class PlantNode(Node):
         commands, ages = self._arbiter.commands_at(self._process.t)
         self._plant.write(commands)
         self._plant.step()
-        self._goal.keep(now)
+        self._goal.update(now)
         self._publish()
         self._log_motion(ages)
 

@@ -1,6 +1,7 @@
-"""What leaves the plant's process each period: readings to the network, the motion to the log."""
+"""What leaves the plant's process: readings and the last goal to the network, motion to the log."""
 
 import json
+import math
 import time
 from collections.abc import Iterable, Sequence
 from typing import Any
@@ -9,9 +10,22 @@ from plant import scalar
 from plant.plant import Readings, Sensor, Truth
 from plant.robot import Robot, Row, numbers
 from runtime.wire import topics
+from runtime.wire.arbitration import TopicInput
 from runtime.wire.bus import Bus, Publisher, send_together
-from runtime.wire.messages import EndEffectorPose, JointStates, Message, PlatformPose, nil_for_nan
+from runtime.wire.messages import (
+    EndEffectorPose,
+    GoalMessage,
+    JointStates,
+    Message,
+    PlatformPose,
+    nil_for_nan,
+)
 from runtime.wire.own_topics import message_of, topic_of
+from runtime.wire.refusals import Refusals
+
+_GOAL_PERIOD = 0.05  # [s] between two messages: at 60 ms there is one with each state
+_GOAL_FRESH = 0.1  # [s] after a message for which its source counts as active
+_GOALS_AT_ONCE = 8  # messages that are looked at, however many came
 
 
 class StatePublisher:
@@ -48,6 +62,33 @@ class StatePublisher:
             (self._joints, JointStates(t, nil_for_nan(numbers(q)), nil_for_nan(numbers(qd))))
         )
         send_together(messages)
+
+
+class GoalMemory:
+    """Publishes the last goal again, whoever published it and however long ago.
+
+    The goal keeps the plant time that its source gave it, so a process that has a newer one is not
+    misled. An agent that is restarted after the goal's source was lost cannot get it from anywhere
+    else: the other agents may have been lost too, and publish no goal. Published before the state,
+    it also spares a new agent the period until the source's next message.
+    """
+
+    def __init__(self, bus: Bus, refusals: Refusals) -> None:
+        self._ring = bus.ring(topics.GOAL, _GOALS_AT_ONCE)
+        self._input = TopicInput(topics.GOAL, GoalMessage, _GOAL_FRESH, refusals)
+        self._publisher = bus.publisher(topics.KNOWN_GOAL)
+        self._next = -math.inf
+
+    def update(self, now: float) -> None:
+        """Take what has arrived, and publish if it is time to, at `now` [s]."""
+        if now < self._next:
+            return
+        self._next = now + _GOAL_PERIOD
+        for arrival in self._ring.waiting(_GOALS_AT_ONCE):
+            self._input.accept(arrival.data, now)
+        last = self._input.selected(now)
+        if last is not None:
+            self._publisher.send(last.message)
 
 
 class MotionLog:
@@ -91,7 +132,7 @@ class MotionLog:
             "hand": _plain(readings.position, 3),
             "q": _plain(readings.q),
             "qd": _plain(readings.qd),
-            "base": _plain(readings.base, 3),
+            "base": _plain((0.0, 0.0, 0.0) if readings.base is None else readings.base),
             "base_velocity": _plain(None, 2),
             "age": ages,
         }

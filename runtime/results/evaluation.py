@@ -83,14 +83,16 @@ class Evaluation:
     Attributes:
         t: Plant time of the last state [s].
         tracking: How the hand followed the goal; None if the deployment has no path.
-        platform: How the platform moved; None for a robot without a drive.
+        platform: How the platform truly moved; None for a robot without a drive.
         joints: How each joint moved.
+        by_sensors: Whether this is by what the sensors measured, as the plant knows no truth.
     """
 
     t: float
     tracking: Tracking | None
     platform: PlatformMotion | None
     joints: tuple[JointMotion, ...]
+    by_sensors: bool = False
 
 
 def goals(path: Path, t: Array) -> Array:
@@ -111,33 +113,37 @@ def evaluate(log: RunLog, deployment: Deployment) -> Evaluation:
     """Evaluate a run."""
     robot = deployment.description.robot
     tracking = None
-    if deployment.goal is not None:
+    if deployment.goal is not None and not np.isnan(log.hand).all():
         tracking = _tracking(log, deployment.goal.build(), deployment.tolerance, robot)
     return Evaluation(
         t=float(log.t[-1]),
         tracking=tracking,
-        platform=_platform(log, robot) if robot.drive else None,
+        platform=_platform(log, robot) if robot.drive and log.is_truth else None,
         joints=tuple(
             JointMotion(joint.name, float(angles[-1]), float(np.abs(angles).min()))
             for joint, angles in zip(robot.joints, log.q.T, strict=True)
         ),
+        by_sensors=not log.is_truth,
     )
 
 
 def _tracking(log: RunLog, path: Path, tolerance: float, robot: Robot) -> Tracking:
     error = errors(log, path)
-    settled = log.t >= min(SETTLING, log.t[-1])
+    seen = ~np.isnan(error)
+    error, t = error[seen], log.t[seen]
+    settled = t >= min(SETTLING, t[-1])
     outside = np.flatnonzero(error > tolerance)
     first = int(outside[-1]) + 1 if len(outside) else 0
     final = float(error[-1])
     goal = goals(path, log.t[-1:])[0]
     reached = final <= tolerance
+    q = np.nan_to_num(log.q[-1])  # of a lost encoder any angle will do
     return Tracking(
         final=final,
         worst=float(error[settled].max()),
         within=float(np.mean(error[settled] <= tolerance)),
-        since=float(log.t[first]) if first < len(error) else None,
-        nearest=None if reached else smallest_distance(robot, goal, log.base[-1], log.q[-1]),
+        since=float(t[first]) if first < len(error) else None,
+        nearest=None if reached else smallest_distance(robot, goal, log.base[-1], q),
     )
 
 

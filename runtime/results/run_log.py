@@ -47,6 +47,11 @@ class RunLog:
     age: Array
     events: Sequence[Mapping[str, Any]]
 
+    @property
+    def is_truth(self) -> bool:
+        """Whether the motion is true; else it is what sensors measured, NaN where they did not."""
+        return not any(event["event"] == "no truth" for event in self.events)
+
     def t_at(self, wall: float) -> float:
         """Return the plant time at a time of day, both [s]."""
         return float(np.interp(wall, self.wall, self.t))

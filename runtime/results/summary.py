@@ -96,6 +96,8 @@ class Summary:
         facts = []
         if self.evaluation and self.evaluation.tracking:
             facts += _of_hand(self.evaluation.tracking, self.tolerance)
+        if self.evaluation and self.evaluation.by_sensors:
+            facts.append(("  motion", "as the sensors measured it: this plant knows no truth"))
         if self.evaluation and self.evaluation.platform:
             facts += _of_platform(self.evaluation.platform)
         for joint in self.evaluation.joints if self.evaluation else ():

@@ -16,26 +16,26 @@ HOLD, FRESH = 0.24, 0.2  # [s]
 
 
 class Plant:
-    """The orders of the mobile arm."""
+    """The command arbiter of the mobile arm."""
 
     def __init__(self) -> None:
         self.refusals = Refusals()
         robot = urdf.load("arph")
-        self.orders = CommandArbiter(robot, hold=HOLD, fresh=FRESH, refusals=self.refusals)
+        self.arbiter = CommandArbiter(robot, hold=HOLD, fresh=FRESH, refusals=self.refusals)
         self._n = 0
 
     def hears(self, joint: int, velocity: float, at: float, by: int = 7) -> bool:
         self._n += 1
         data = pack(JointCommand(0.5, velocity, by=by, n=self._n))
-        return self.orders.take(Sample(topics.joint_command(joint), data), at) is not None
+        return self.arbiter.take(Sample(topics.joint_command(joint), data), at) is not None
 
     def platform_hears(self, linear: float, angular: float, at: float) -> None:
         self._n += 1
         data = pack(PlatformCommand(0.5, linear, angular, by=7, n=self._n))
-        assert self.orders.take(Sample(topics.PLATFORM_COMMAND, data), at) is not None
+        assert self.arbiter.take(Sample(topics.PLATFORM_COMMAND, data), at) is not None
 
     def joints(self, at: float) -> list[float]:
-        commands, _ = self.orders.commands_at(at)
+        commands, _ = self.arbiter.commands_at(at)
         return list(commands.joints)
 
 
@@ -45,7 +45,7 @@ def plant() -> Plant:
 
 
 def test_at_first_all_stand_still(plant: Plant) -> None:
-    commands, ages = plant.orders.commands_at(0.0)
+    commands, ages = plant.arbiter.commands_at(0.0)
     assert not any(commands.joints)
     assert not any(commands.base)
     assert ages == [None] * 7
@@ -58,9 +58,9 @@ def test_a_command_moves_its_joint_and_no_other(plant: Plant) -> None:
 
 def test_the_platform_is_told_both_of_its_speeds(plant: Plant) -> None:
     data = pack(PlatformCommand(0.5, 0.1, -0.2, by=7, n=1))
-    answered = plant.orders.take(Sample(topics.PLATFORM_COMMAND, data), 1.0)
+    answered = plant.arbiter.take(Sample(topics.PLATFORM_COMMAND, data), 1.0)
     assert answered == ("platform", 0.5)
-    assert plant.orders.commands_at(1.0)[0].base == pytest.approx(np.array([0.1, -0.2]))
+    assert plant.arbiter.commands_at(1.0)[0].base == pytest.approx(np.array([0.1, -0.2]))
 
 
 def test_a_command_older_than_the_hold_time_brings_the_joint_to_rest(plant: Plant) -> None:
@@ -73,7 +73,7 @@ def test_each_motor_has_a_hold_time_of_its_own(plant: Plant) -> None:
     plant.hears(1, 0.5, at=1.0)
     plant.platform_hears(0.1, -0.2, at=1.0)
     plant.hears(2, 0.6, at=1.1)
-    commands, _ = plant.orders.commands_at(1.1 + HOLD)
+    commands, _ = plant.arbiter.commands_at(1.1 + HOLD)
     np.testing.assert_array_equal(commands.joints, [0, 0.6, 0, 0, 0, 0])
     assert not any(commands.base)
 
@@ -81,10 +81,10 @@ def test_each_motor_has_a_hold_time_of_its_own(plant: Plant) -> None:
 def test_only_the_latest_command_counts_and_what_was_given_does_not_change(plant: Plant) -> None:
     plant.hears(1, 0.5, at=1.0)
     plant.platform_hears(0.1, 0.0, at=1.0)
-    before, _ = plant.orders.commands_at(1.0)
+    before, _ = plant.arbiter.commands_at(1.0)
     plant.hears(1, -0.3, at=1.1)
     plant.platform_hears(0.2, 0.0, at=1.1)
-    after, _ = plant.orders.commands_at(1.1)
+    after, _ = plant.arbiter.commands_at(1.1)
     assert (before.joints[0], before.base[0]) == (0.5, 0.1)
     assert (after.joints[0], after.base[0]) == (-0.3, 0.2)
 
@@ -98,7 +98,7 @@ def test_a_motor_that_is_told_nothing_more_brakes_to_rest_within_its_limits(plan
         if k <= last_told:
             plant.hears(1, 0.8, at=t)
             plant.platform_hears(0.3, 0.0, at=t)
-        robot.write(plant.orders.commands_at(t)[0])
+        robot.write(plant.arbiter.commands_at(t)[0])
         robot.step()
         speeds.append(robot.truth().qd[0])
     held, acceleration = round(HOLD / 0.01), 4.0
@@ -112,7 +112,7 @@ def test_a_motor_that_is_told_nothing_more_brakes_to_rest_within_its_limits(plan
 def test_ages_are_told_while_commands_hold(plant: Plant) -> None:
     plant.hears(1, 0.3, at=1.0)
     plant.hears(3, 0.3, at=0.7)
-    _, ages = plant.orders.commands_at(1.1)
+    _, ages = plant.arbiter.commands_at(1.1)
     assert ages == [pytest.approx(0.1), *[None] * 6]
 
 
@@ -127,9 +127,19 @@ def test_of_two_copies_the_newer_one_is_obeyed_while_it_is_fresh(plant: Plant) -
     assert list(history.values()) == [0.1] * 4 + [0.2] * 5 + [0.1] * 3
 
 
-def test_a_speed_over_the_limit_is_counted(plant: Plant) -> None:
-    assert plant.hears(1, 99.0, at=1.0)
-    assert plant.refusals.table() == {topics.joint_command(1): {Reason.OVER_LIMIT: 1}}
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_speed_over_the_limit_is_counted_and_clamped(plant: Plant, sign: float) -> None:
+    robot = urdf.load("arph")
+    assert robot.drive is not None
+    assert plant.hears(1, sign * 99.0, at=1.0)
+    plant.platform_hears(0.1, sign * 99.0, at=1.0)
+    assert plant.refusals.table() == {
+        topics.joint_command(1): {Reason.OVER_LIMIT: 1},
+        topics.PLATFORM_COMMAND: {Reason.OVER_LIMIT: 1},
+    }
+    commands, _ = plant.arbiter.commands_at(1.0)
+    assert commands.joints[0] == sign * robot.joints[0].max_speed
+    assert tuple(commands.base) == (0.1, sign * robot.drive.max_angular)
 
 
 def test_a_command_for_a_joint_that_there_is_not_is_counted(plant: Plant) -> None:
@@ -140,10 +150,10 @@ def test_a_command_for_a_joint_that_there_is_not_is_counted(plant: Plant) -> Non
 def test_noise_on_one_joint_leaves_its_last_command_in_force(plant: Plant) -> None:
     plant.hears(1, 0.1, at=1.0)
     for _ in range(100):
-        assert plant.orders.take(Sample(topics.joint_command(1), b"noise"), 1.0) is None
+        assert plant.arbiter.take(Sample(topics.joint_command(1), b"noise"), 1.0) is None
     assert plant.joints(1.05)[0] == 0.1
 
 
 def test_the_role_and_the_state_that_it_answers_are_told(plant: Plant) -> None:
     data = pack(JointCommand(0.42, 0.1, by=7, n=1))
-    assert plant.orders.take(Sample(topics.joint_command(4), data), 1.0) == ("joint/4", 0.42)
+    assert plant.arbiter.take(Sample(topics.joint_command(4), data), 1.0) == ("joint/4", 0.42)
