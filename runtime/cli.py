@@ -19,15 +19,7 @@ exit codes: 0 success, 1 failure at run time, 2 bad input, 3 goal not reached, 1
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run `msma VERB ...`.
-
-    Args:
-        argv: The verb and its arguments; by default those of this process.
-
-    Returns:
-        The exit code: 2 for bad input, 1 for a failure at run time, 130 if interrupted, otherwise
-        what the verb returns.
-    """
+    """Run `msma VERB ...`, by default with this process's arguments; return its exit code."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # for small arrays
     verb, *rest = (sys.argv[1:] if argv is None else argv) or [""]
     if verb in ("", "-h", "--help"):
@@ -39,9 +31,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _run(verb: str, arguments: Sequence[str]) -> int:
     module = importlib.import_module(_module(verb))
     form = argparse.RawDescriptionHelpFormatter
-    parser = argparse.ArgumentParser(
-        prog=f"msma {verb}", description=module.__doc__, formatter_class=form
-    )
+    parser = argparse.ArgumentParser(f"msma {verb}", None, module.__doc__, formatter_class=form)
     module.add_arguments(parser)
     code: int = module.run(parser.parse_args(arguments))
     return code

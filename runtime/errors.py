@@ -12,14 +12,9 @@ class RunError(MsmaError, RuntimeError):
 
 
 def exit_code(run: Callable[[], int]) -> int:
-    """Run a command; print an error as one line without a traceback.
+    """Return the exit code of a command; print an error as one line without a traceback.
 
-    Args:
-        run: Runs the command, and returns its exit code.
-
-    Returns:
-        The exit code: 2 for bad input, 1 for a failure at run time, 130 if interrupted, otherwise
-        that of the command.
+    It is 2 for bad input, 1 for a failure at run time, 130 if interrupted, else what `run` returns.
     """
     try:
         code = run()

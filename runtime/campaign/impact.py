@@ -75,13 +75,7 @@ class Impact:
 
 
 def measure_impact(deployment: Deployment, run: Path, log: RunLog) -> Impact:
-    """Measure the impact of the faults in a run that has a goal.
-
-    Args:
-        deployment: The deployment as resolved.
-        run: The run's folder.
-        log: The plant's log.
-    """
+    """Measure the impact of the faults in a run that has a goal, by the logs in its folder."""
     return _Measurement(deployment, run, log).impact()
 
 

@@ -75,15 +75,7 @@ class Kind(ABC):
 
     @abstractmethod
     def read(self, node: YamlNode, scope: Scope) -> Any:
-        """Read a value.
-
-        Args:
-            node: What was written.
-            scope: Values read earlier.
-
-        Raises:
-            ConfigError: The node holds no such value.
-        """
+        """Return the value of a node, or raise its `ConfigError`."""
 
     def write(self, value: Any) -> Any:
         """Return plain data that `read` turns into the value again."""

@@ -70,10 +70,5 @@ def given(args: argparse.Namespace) -> list[str]:
 
 
 def load_from(args: argparse.Namespace, only_role: str | None = None) -> Deployment:
-    """Load the deployment of the command line; of two overrides the later one counts.
-
-    Args:
-        args: The parsed arguments, with those of `add_deployment_options`.
-        only_role: Load no classes of other roles: see `load`.
-    """
+    """Load the deployment of the command line; of two overrides the later one counts."""
     return load(args.file, [make() for make in args.overrides or ()], only_role)

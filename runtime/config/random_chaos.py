@@ -46,12 +46,7 @@ class RandomChaos:
             raise node.find("lasting").error("the minimum is larger than the maximum")
 
     def draw(self, roles: Sequence[str], duration: float) -> tuple[ChaosEvent, ...]:
-        """Draw the faults of a run.
-
-        Args:
-            roles: Target roles, unless the file lists others.
-            duration: Duration of the run [s, plant time].
-        """
+        """Draw the faults of a run of `duration` [s]; `roles` are the targets if none are given."""
         rng = np.random.default_rng([self.seed, 0xC4A05])
         events: list[ChaosEvent] = []
         at = float(rng.exponential(1 / self.rate))
@@ -66,13 +61,9 @@ class RandomChaos:
 
 
 def fault(role: str, manner: str, at: float, lasting: float) -> tuple[ChaosEvent, ...]:
-    """Return the events of one process fault.
+    """Return the events of one fault `at` a time, with a hang or downtime of `lasting`, both [s].
 
-    Args:
-        role: The target.
-        manner: One of `MANNERS`; a restart of launcher or watcher is a kill.
-        at: When it begins [s, plant time].
-        lasting: Time of the hang, or from kill to restart [s, plant time].
+    A restart of launcher or watcher is a kill: nobody starts them again.
     """
     if manner == "hang":
         return (ChaosEvent(at=at, hang=role, for_=lasting),)

@@ -228,11 +228,7 @@ def _refuse_others(node: YamlNode, fields: Sequence[Field], allowed: bool = Fals
 
 @cache
 def kind_of(annotation: Any, unit: Unit = "1") -> Kind:
-    """Return the kind of value of a type annotation.
-
-    Args:
-        annotation: The type annotation.
-        unit: The unit of numbers without one of their own.
+    """Return the kind of value of a type annotation; `unit` is the default of its numbers.
 
     Raises:
         TypeError: A file cannot hold such a value.

@@ -15,7 +15,10 @@ from typing import NamedTuple
 from runtime.processes.scheduling import set_realtime
 from runtime.wire.mesh import LOOPBACK
 
-_LIBRARIES = {"eclipse-zenoh": (1, 10), "msgpack": (1,), "numpy": (1, 26), "pyyaml": (6,)}
+_LIBRARIES: dict[str, tuple[int, ...]] = {
+    **{"eclipse-zenoh": (1, 10), "msgpack": (1,), "msgspec": (0, 18)},
+    **{"numpy": (1, 26), "psutil": (5, 9), "pyyaml": (6,)},
+}
 _PLOTS = "matplotlib"
 _FILES = 256  # file descriptors: each process has a socket to every other
 _SLOW = 0.005  # [s] round trip on the loopback device: warn

@@ -50,12 +50,7 @@ def check_hosts(deployment: Deployment) -> Iterator[Finding]:
 
 
 def check_robot(target: Target, roles: int) -> Iterator[Finding]:
-    """Check whether a robot runs already, and if not, whether its ports are free.
-
-    Args:
-        target: The robot.
-        roles: How many ports it needs.
-    """
+    """Check whether a robot runs already, and if not, whether its ports are free."""
     here = set(robots_here())
     others = sorted(here - {target.robot})
     yield Finding(Grade.OK, "other robots", ", ".join(others) or "none on this machine")

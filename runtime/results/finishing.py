@@ -12,15 +12,7 @@ from runtime.results.summary import Summary, summarise
 
 
 def save(file: Path, write: Callable[[Path], object]) -> str:
-    """Write a file; after an `OSError` remove what was written of it.
-
-    Args:
-        file: The file to write.
-        write: Writes the file.
-
-    Returns:
-        A line that says why the file could not be written; empty if it was.
-    """
+    """Let `write` write a file; return why it could not, or "". No partial file is left."""
     try:
         write(file)
     except OSError as error:
@@ -36,13 +28,7 @@ SUMMARY, PLOT = "summary.json", "path.png"
 def close(
     deployment: Deployment, run: Path, outcome: RunOutcome, again: Sequence[str] = ()
 ) -> tuple[Summary, str]:
-    """Write `summary.json` and a plot to the run's folder.
-
-    Args:
-        deployment: The deployment that was run.
-        run: The run's folder.
-        outcome: How the run went, as the launcher saw it.
-        again: The options with which `msma launch` repeats the run.
+    """Write `summary.json` and a plot to a run's folder; `again` are the options to repeat it.
 
     Returns:
         The summary, and lines about the plot and about files that could not be written.
@@ -55,11 +41,10 @@ def close(
 def conclude(
     deployment: Deployment, run: Path, outcome: RunOutcome, again: Sequence[str] = ()
 ) -> tuple[Summary, RunLog | None, str]:
-    """Write `summary.json` to the run's folder.
+    """Write `summary.json` to a run's folder; `again` are the options to repeat the run.
 
     Returns:
-        The summary, the plant's log if it has any motion, and why the summary could not be
-        written, or an empty string.
+        The summary, the plant's log if it has any motion, and why the file could not be written.
     """
     try:
         log = read_run_log(run)

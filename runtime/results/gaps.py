@@ -7,14 +7,9 @@ from runtime.results.run_log import RunLog
 
 
 def arrivals(log: RunLog, period: float) -> list[Array]:
-    """Return the arrival times of accepted commands, for each joint and then the platform.
+    """Return the arrival times of accepted commands [s, plant time], by joint and then platform.
 
-    Args:
-        log: The plant's log.
-        period: Control period [s]; of several commands in one period the last one counts.
-
-    Returns:
-        One array of increasing plant times [s] for each joint and the platform.
+    Of several commands in one control `period` [s] the last one counts.
     """
     began = log.t - period  # the log has the end of each step
     found = []
@@ -25,15 +20,9 @@ def arrivals(log: RunLog, period: float) -> list[Array]:
 
 
 def longest(times: Array, since: float, until: float) -> float:
-    """Return the longest gap between arrivals that overlaps a span of time.
+    """Return the longest gap between arrival `times` that overlaps `since` to `until`, all [s].
 
-    Args:
-        times: Increasing arrival times [s], (m,).
-        since: Start of the span [s].
-        until: End of the span [s]; a gap after the last arrival counts up to here.
-
-    Returns:
-        The length of the gap [s].
+    The gap after the last arrival counts, up to `until`.
     """
     first = max(int(np.searchsorted(times, since, side="right")) - 1, 0)
     last = int(np.searchsorted(times, until, side="left"))

@@ -117,15 +117,9 @@ def summarise(
     evaluation: Evaluation | None,
     again: Sequence[str] = (),
 ) -> Summary:
-    """Summarise a run.
+    """Summarise the run in the folder `run`; `again` are the options that repeat it.
 
-    Args:
-        deployment: The deployment that was run.
-        run: The run's folder.
-        outcome: How the run went, as the launcher saw it.
-        log: The plant's log; None if it has no motion.
-        evaluation: The evaluation of that log.
-        again: The options with which `msma launch` repeats the run.
+    Without motion of the plant there is neither a log nor an evaluation.
     """
     code, headline = _outcome(deployment, outcome, log, evaluation)
     return Summary(

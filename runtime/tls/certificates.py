@@ -50,13 +50,9 @@ class Authority:
         begin: datetime | None = None,
         end: datetime | None = None,
     ) -> KeyPair:
-        """Create a key pair.
+        """Create a key pair of a name, for a process that can be reached at these addresses.
 
-        Args:
-            name: The name in the certificate.
-            addresses: The addresses at which the process can be reached.
-            begin: Start of validity; by default a day ago, since clocks differ.
-            end: End of validity; by default that of the authority.
+        By default it is valid from a day ago, since clocks differ, until the authority's end.
         """
         key = ec.generate_private_key(ec.SECP256R1())
         both = [ExtendedKeyUsageOID.SERVER_AUTH, ExtendedKeyUsageOID.CLIENT_AUTH]
@@ -125,12 +121,6 @@ def write_keys(
     """Create a key pair for each name, and write them and the authority's certificate.
 
     Only the owner can read the private keys, and the folder if it is new.
-
-    Args:
-        folder: The folder to write to.
-        authority: Signs the certificates.
-        names: The names, of roles and of operators.
-        addresses: The addresses at which processes can be reached.
 
     Raises:
         RunError: The files cannot be written.

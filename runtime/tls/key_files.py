@@ -13,16 +13,9 @@ KEYS = "keys"
 
 
 def write_files(folder: Path, files: Mapping[str, str]) -> None:
-    """Write certificates and private keys to a folder, replacing old ones.
+    """Write certificates and private keys, PEM text by file name, replacing old ones.
 
     Only the owner can ever read the private keys, and the folder if it is new.
-
-    Args:
-        folder: The folder to write to.
-        files: The content of each file, PEM text by file name.
-
-    Raises:
-        OSError: A file cannot be written.
     """
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     for name, data in files.items():

@@ -107,15 +107,7 @@ def _plain(address: str) -> str:
 
 
 def verify(credentials: Credentials, address: str, now: float) -> Certificate:
-    """Check that a process can use its certificate now.
-
-    Args:
-        credentials: Those of the process.
-        address: The address at which the process can be reached.
-        now: The time of day [s since 1970].
-
-    Returns:
-        The certificate.
+    """Return the certificate, if it can be used at an address and time `now` [s since 1970].
 
     Raises:
         ConfigError: The certificate cannot be used; the message says why.
@@ -142,11 +134,7 @@ def day(t: float) -> str:
 
 
 def verify_all(deployment: Deployment, host: str | None = None) -> None:
-    """Check the certificates of all processes of a deployment, and of operators.
-
-    Args:
-        deployment: The deployment; without `security` there is nothing to check.
-        host: Check only the processes of this host.
+    """Check the certificates of operators and of all processes, or of those on one host.
 
     Raises:
         ConfigError: A certificate is missing or cannot be used.
