@@ -11,7 +11,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from bench.bench import BenchError
-from bench.machine import Busy, describe
+from bench.machine import CoreUsage, describe
 from bench.registry import BENCHES, bench
 from bench.report import Report, page, tables, write
 from studies import verb_options
@@ -41,7 +41,7 @@ def run(args: argparse.Namespace) -> int:
 def one(name: str, folder: Path, size: float, *, pictures: bool = True) -> Report:
     """Run a bench, write what it measured into `folder`, print it, and return its report."""
     chosen = bench(name)
-    machine, busy, begun = describe(), Busy(), time.perf_counter()
+    machine, busy, begun = describe(), CoreUsage(), time.perf_counter()
     result = chosen.measure(size, Progress(_show if sys.stderr.isatty() else None))
     took = time.perf_counter() - begun
     report = Report(chosen, result, machine, (), took, size, *busy.shares())

@@ -10,9 +10,9 @@ import numpy as np
 
 from agents.agent import Array, Goal
 from bench.bench import Bench, Check, Result, Table
-from bench.decisions import batched, single_cases, thinker
+from bench.decisions import batched, decision_timer, recorded_cases
 from bench.ik_solvers import Solver, missing, solvers
-from bench.interleaving import in_turn
+from bench.interleaving import interleaved
 from bench.position_goals import Solved, solve_all
 from plant.kinematic import KinematicPlant
 from plant.kinematics import Kinematics
@@ -25,7 +25,7 @@ from studies.study import Progress, Row
 
 ROUNDS, TICKS, BATCH = 9, 300, 1000
 """How often everything is measured, ticks of a run that is thought through, robots at once."""
-CREWS = (1000, 2000, 4000, 10000)
+BATCHES = (1000, 2000, 4000, 10000)
 """Planar arms at once in a study."""
 STEPS = 120
 """Of those arms, in which nearly all hands come to their goals."""
@@ -43,25 +43,29 @@ class DecideBench(Bench):
         rounds = max(round(ROUNDS * size), 2)
         progress.begin(4)
         progress.step("single decisions")
-        single = single_cases(TICKS)
-        alone = in_turn({name: thinker(case, 1) for name, case in single.items()}, rounds)
+        single = recorded_cases(TICKS)
+        alone = interleaved(
+            {name: decision_timer(case, 1) for name, case in single.items()}, rounds
+        )
         progress.step("many decisions at once")
         many = {name: batched(case, BATCH) for name, case in single.items()}
-        together = in_turn({name: thinker(case, BATCH) for name, case in many.items()}, rounds)
+        together = interleaved(
+            {name: decision_timer(case, BATCH) for name, case in many.items()}, rounds
+        )
         progress.step("agent-steps")
-        crews = in_turn(
-            {f"{sees}, {count}": _crew(sees, count) for sees in ("blackboard", "auto")
-             for count in CREWS},
+        step_rates = interleaved(
+            {f"{sees}, {count}": _time_steps(sees, count) for sees in ("blackboard", "auto")
+             for count in BATCHES},
             max(rounds // 3, 1),
         )  # fmt: skip
         progress.step("kinematics beside others")
         arms = _arms()
-        forward = {name: in_turn(_forwards(*arm), rounds) for name, arm in arms.items()}
+        forward = {name: interleaved(_forwards(*arm), rounds) for name, arm in arms.items()}
         goals = max(round(GOALS * size), 20)
         solved = {name: solve_all(*arms[name], goals) for name in ("planar5", "seven")}
-        steps = {name: [run.rate for run in runs] for name, runs in crews.items()}
+        steps = {name: [run.rate for run in runs] for name, runs in step_rates.items()}
         return Result(
-            checks=(*_agree(arms), *_came(crews), *_ours_solve(solved)),
+            checks=(*_agree(arms), *_came(step_rates), *_ours_solve(solved)),
             bars=_bars(alone, steps),
             tables=(
                 _decisions(alone, together),
@@ -90,17 +94,17 @@ class DecideBench(Bench):
         return (bars(medians, "one decision [us]", folder / "decide.png"),)
 
 
-class _CrewRun(NamedTuple):
+class _StepRate(NamedTuple):
     """rate: agent-steps a second; near: share of the hands that came within 5 mm of the goal."""
 
     rate: float
     near: float
 
 
-def _crew(sees: str, count: int) -> Callable[[], _CrewRun]:
+def _time_steps(sees: str, count: int) -> Callable[[], _StepRate]:
     robot = load("planar5")
 
-    def run() -> _CrewRun:
+    def run() -> _StepRate:
         rng = np.random.default_rng(3)
         start = np.tile(np.radians([-30.0, 40.0, 40.0, 40.0, 40.0]), (count, 1))
         place = Kinematics(robot).forward(rng.uniform(-1.0, 1.0, (count, robot.n))).tip
@@ -116,7 +120,7 @@ def _crew(sees: str, count: int) -> Callable[[], _CrewRun]:
         away = np.linalg.norm(plant.truth().position - place, axis=-1)
         before = np.linalg.norm(Kinematics(robot).forward(start).tip - place, axis=-1)
         nearer = away < np.where(steps == STEPS, 0.005, before)
-        return _CrewRun(robot.n * count * steps / took, float(nearer.mean()))
+        return _StepRate(robot.n * count * steps / took, float(nearer.mean()))
 
     return run
 
@@ -173,8 +177,8 @@ def _agree(arms: Mapping[str, tuple[Robot, Path, str]]) -> list[Check]:
     return checks
 
 
-def _came(crews: Mapping[str, Sequence[_CrewRun]]) -> list[Check]:
-    least = min(run.near for runs in crews.values() for run in runs)
+def _came(step_rates: Mapping[str, Sequence[_StepRate]]) -> list[Check]:
+    least = min(run.near for runs in step_rates.values() for run in runs)
     return [
         Check(
             "agent-steps: hands that came nearer their goals", f"{100 * least:.1f} %", least > 0.9

@@ -45,7 +45,7 @@ def arm_run(ticks: int, period: float | None = None) -> ArmRun:
     return _run(plant, agents, arph.goal.build().piece, ticks)
 
 
-def single_cases(ticks: int) -> dict[str, Case]:
+def recorded_cases(ticks: int) -> dict[str, Case]:
     """Return the agents of the mobile arm and of the planar arm, with runs that they had."""
     arph = deployed(ARPH)
     seen = arm_run(ticks).seen
@@ -104,7 +104,7 @@ def batched(case: Case, count: int) -> Case:
     return Case(case.make, seen)
 
 
-def thinker(case: Case, count: int) -> Callable[[], float]:
+def decision_timer(case: Case, count: int) -> Callable[[], float]:
     """Return what measures one decision for one robot [s]: the mean over a run."""
 
     def think() -> float:

@@ -11,30 +11,30 @@ from pathlib import Path
 from statistics import median
 
 from bench.bench import Bench, Check, Result, Table
-from bench.echo.deciding_zenoh import thought_of
-from bench.echo.runner import Measured
+from bench.echo.deciding_zenoh import tick_work
+from bench.echo.runner import Measurement
 from bench.echo.runner import run as run_side
-from bench.echo.workload import AGENTS, ROLES, Part, arguments
-from bench.interleaving import Ratio, in_turn, ratio
+from bench.echo.workload import AGENTS, ROLES, EchoSpec, to_args
+from bench.interleaving import Ratio, interleaved, ratio
 from bench.machine import busy_cores, free_port
-from bench.msma_runs import ARPH, deployed, run_ours
+from bench.msma_runs import ARPH, deployed, run_msma
 from studies.study import Progress, Row
 
 RATES = {17: 5.0, 100: 4.0, 500: 20.0, 1000: 6.0, 2000: 3.0}
 """Rate [Hz] to how long it is measured in each round [s]: to tell 99.99 % takes ten thousands."""
 ROUNDS = 3
-LIMITED = (500, 1000)
+DETAILED = (500, 1000)
 """Rates [Hz] at which there are more sides: those of the bars on time and processors."""
-OURS, PLAIN, LIMIT = "msma", "plain Zenoh", "plain Zenoh that reads and decides"
-EAGER = "msma, deciding on every state"
+OURS, PLAIN, DECIDING = "msma", "plain Zenoh", "plain Zenoh that reads and decides"
+EVERY_STATE = "msma, deciding on every state"
 """Ours again without `Agent.rest`: what that saves."""
-AMID = "msma, other programs on all cores"
+BUSY = "msma, other programs on all cores"
 """Ours again beside as many programs as there are cores, none of which rests: nor do the cores."""
 _THOUGHTS = 500  # in a row
 MOST_OFF = 0.006
 """Off the goal in a run that counts as done [m]: at 60 ms, twice what the paper says."""
 
-Runs = Mapping[str, Sequence[Measured]]
+Runs = Mapping[str, Sequence[Measurement]]
 
 
 class LoopBench(Bench):
@@ -59,12 +59,12 @@ class LoopBench(Bench):
         checks: list[Check] = []
         found: dict[int, Runs] = {}
         for rate in self._rates:
-            found[rate] = in_turn(sides[rate], rounds)
+            found[rate] = interleaved(sides[rate], rounds)
             checks += _checks(rate, found[rate], max(off[rate]))
         return Result(
             checks=tuple(checks),
             bars=tuple(bars(found)),
-            tables=(_times(found), _costs(found), *thoughts(found)),
+            tables=(_times(found), _costs(found), *work_table(found)),
             notes=NOTES,
             data={
                 str(rate): {
@@ -97,49 +97,50 @@ class LoopBench(Bench):
 
 def _sides(
     rate: int, seconds: float, off: list[float], progress: Progress
-) -> dict[str, Callable[[], Measured]]:
+) -> dict[str, Callable[[], Measurement]]:
     """Return what measures each side at a rate [Hz], for so long [s].
 
     off: where to say how far off its goal our hand was at worst [m]
     """
 
-    def ours(*, eager: bool = False) -> Measured:
+    def ours(*, every_state: bool = False) -> Measurement:
         period = "60 ms" if rate == 17 else f"{1e3 / rate:g} ms"
         name = f"robot=bench-loop-{rate}"
         deployment = deployed(ARPH, name, f"period={period}", "plant.hold=240 ms")
-        told = run_ours(deployment, seconds, eager=eager)
+        told = run_msma(deployment, seconds, every_state=every_state)
         off.append(told.error)
         return told.measured
 
-    def amid() -> Measured:
+    def amid() -> Measurement:
         with busy_cores():
             return ours()
 
-    def shown(side: str, measure: Callable[[], Measured]) -> Callable[[], Measured]:
-        def go() -> Measured:
+    def shown(side: str, measure: Callable[[], Measurement]) -> Callable[[], Measurement]:
+        def go() -> Measurement:
             progress.step(f"{rate} Hz, {side}")
             return measure()
 
         return go
 
     hertz = 1 / 0.06 if rate == 17 else rate
-    sides: dict[str, Callable[[], Measured]] = {
+    sides: dict[str, Callable[[], Measurement]] = {
         OURS: ours,
         PLAIN: lambda: run_plain(hertz, seconds),
     }
-    if rate in LIMITED:
-        sides[LIMIT] = lambda: run_plain(hertz, seconds, decides=True)
-        sides[EAGER] = lambda: ours(eager=True)
-        sides[AMID] = amid
+    if rate in DETAILED:
+        sides[DECIDING] = lambda: run_plain(hertz, seconds, decides=True)
+        sides[EVERY_STATE] = lambda: ours(every_state=True)
+        sides[BUSY] = amid
     return {side: shown(side, measure) for side, measure in sides.items()}
 
 
-def run_plain(rate: float, seconds: float, *, decides: bool = False) -> Measured:
+def run_plain(rate: float, seconds: float, *, decides: bool = False) -> Measurement:
     """Let plain Zenoh echo, in as many processes as ours, each of which also `decides` if so."""
     port = free_port()
     program = "bench.echo.deciding_zenoh" if decides else "bench.echo.plain_zenoh"
     return run_side(
-        {role: [program, *arguments(Part(role, rate, seconds, port))] for role in ROLES}, seconds
+        {role: [program, *to_args(EchoSpec(role, rate, seconds, port))] for role in ROLES},
+        seconds,
     )
 
 
@@ -165,7 +166,7 @@ def bars(found: Mapping[int, Runs]) -> list[Row]:
     rows = []
     if 1000 in found:
         slower = _slower(found[1000], OURS)
-        words = f"{slower.text()}; {LIMIT}: {_slower(found[1000], LIMIT).text()}"
+        words = f"{slower.text()}; {DECIDING}: {_slower(found[1000], DECIDING).text()}"
         rows += [
             _answered(1000, found[1000], 0.999),
             Row("1 kHz: p99 beside plain Zenoh", "at most 1.5 x", words, slower.median <= 1.5),
@@ -210,11 +211,11 @@ def _beside(figures: Mapping[str, str]) -> str:
     return "; ".join((figures[OURS], *others))
 
 
-def _in_time(runs: Sequence[Measured]) -> int:
+def _in_time(runs: Sequence[Measurement]) -> int:
     return sum(int(run.ticks["in_time"]) for run in runs)
 
 
-def _due(runs: Sequence[Measured]) -> int:
+def _due(runs: Sequence[Measurement]) -> int:
     return sum(int(run.ticks["ticks"] + run.ticks["missed"]) for run in runs)
 
 
@@ -257,9 +258,9 @@ def _costs(found: Mapping[int, Runs]) -> Table:
     return Table("what the processes cost", head, tuple(rows))
 
 
-def thoughts(found: Mapping[int, Runs]) -> list[Table]:
+def work_table(found: Mapping[int, Runs]) -> list[Table]:
     """Return what reading, deciding and telling take a tick, alone and among all others."""
-    rates = [rate for rate in found if rate in LIMITED]
+    rates = [rate for rate in found if rate in DETAILED]
     if not rates:
         return []
     rows = []
@@ -267,12 +268,12 @@ def thoughts(found: Mapping[int, Runs]) -> list[Table]:
         more = [
             median(
                 with_it.usage[role].cpu - without.usage[role].cpu
-                for with_it, without in zip(found[rate][LIMIT], found[rate][PLAIN], strict=True)
+                for with_it, without in zip(found[rate][DECIDING], found[rate][PLAIN], strict=True)
             )
             / rate
             for rate in rates
         ]
-        alone = _alone(thought_of(role, 1 / max(rates)).whole)
+        alone = _alone(tick_work(role, 1 / max(rates)).whole)
         rows.append((role, f"{1e6 * alone:.0f}", *(f"{1e6 * each:.0f}" for each in more)))
     head = ("process", "again and again, alone", *(f"at {rate} Hz, among all" for rate in rates))
     return [Table("reading, thinking and writing, in us of a processor a tick", head, tuple(rows))]
@@ -296,7 +297,7 @@ NOTES = (
     "Our agents answer every state, and decide 100 times a second at most: in between they answer "
     "with what they decided last, for within a twelfth of its horizon their law comes to the same. "
     "They answer first, and decide then, so that no answer waits for a decision. "
-    f"'{EAGER}' has both left out.",
+    f"'{EVERY_STATE}' has both left out.",
     "Plain Zenoh that reads and decides does in each agent what our agent's law does for a "
     "decision, as often as ours, on percepts that were recorded, and a step of the simulation in "
     "the plant, and each reads and writes the messages of the wire contract that this takes at the "

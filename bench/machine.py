@@ -122,7 +122,7 @@ def _version(library: str) -> str | None:
         return None
 
 
-class Busy:
+class CoreUsage:
     """How much of the machine was used, and taken by its host, since this was made."""
 
     def __init__(self) -> None:

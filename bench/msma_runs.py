@@ -4,7 +4,7 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-from bench.echo.runner import Measured, run
+from bench.echo.runner import Measurement, run
 from bench.machine import free_port
 from runtime.config.deployment import Deployment, load
 from runtime.config.overrides import Override
@@ -18,13 +18,13 @@ ARPH = ROOT / "deploy" / "arph.yaml"
 
 
 @dataclass(frozen=True)
-class OurRun:
+class MsmaRun:
     """What one run gave: as of any side, and how far off its goal the hand was.
 
     error: the worst after `SETTLING`, or in the last half if the run was shorter [m]
     """
 
-    measured: Measured
+    measured: Measurement
     error: float
 
 
@@ -37,10 +37,10 @@ def deployed(file: Path, *overrides: str) -> Deployment:
     return load(file, made)
 
 
-def run_ours(deployment: Deployment, seconds: float, *, eager: bool = False) -> OurRun:
+def run_msma(deployment: Deployment, seconds: float, *, every_state: bool = False) -> MsmaRun:
     """Start all processes of a deployment and measure for `seconds` [s].
 
-    eager: the agents decide on every state, of use or not
+    every_state: the agents decide on every state, of use or not
     """
     agents = {spec.role for spec in deployment.agents}
     with tempfile.TemporaryDirectory(prefix="msma-bench-") as place:
@@ -50,7 +50,7 @@ def run_ours(deployment: Deployment, seconds: float, *, eager: bool = False) -> 
         said = folder / "said"
         commands = {topics.PLANT: ["bench.measured_plant", str(file), place, f"{seconds:g}"]}
         for role in deployment.roles:
-            if eager and role in agents:
+            if every_state and role in agents:
                 commands[role] = ["bench.every_state_agent", str(file), role, place]
             elif role != topics.PLANT:
                 commands[role] = ["runtime.cli", "agent", str(file), role, "--run", place]
@@ -59,4 +59,4 @@ def run_ours(deployment: Deployment, seconds: float, *, eager: bool = False) -> 
     assert deployment.goal is not None
     off = errors(record, deployment.goal.build())
     late = record.t >= min(SETTLING, record.t[-1] / 2)
-    return OurRun(measured, float(off[late].max()))
+    return MsmaRun(measured, float(off[late].max()))

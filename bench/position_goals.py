@@ -43,23 +43,23 @@ def solve_all(robot: Robot, urdf: Path, tip: str, goals: int) -> dict[str, Solve
             robot, many, places, steps=_STEPS, enough=SOLVED / 2, perception="blackboard"
         ).q
 
-    def judged(turns: Array, places: Array, seconds: float) -> Solved:
+    def impact_of(turns: Array, places: Array, seconds: float) -> Solved:
         off = np.linalg.norm(kinematics.forward(turns).tip - places, axis=-1)
         inside = ((turns >= robot.lower - 1e-6) & (turns <= robot.upper + 1e-6)).all(axis=-1)
         return Solved(len(places), seconds, float(((off < SOLVED) & inside).mean()))
 
     begun = time.perf_counter()
     turns = ours(places)
-    found = {"msma, all at once": judged(turns, places, time.perf_counter() - begun)}
+    found = {"msma, all at once": impact_of(turns, places, time.perf_counter() - begun)}
     begun = time.perf_counter()
     turns = np.concatenate([ours(place[None]) for place in places[:alone]])
     took = time.perf_counter() - begun
-    found["msma, a batch of one"] = judged(turns, places[:alone], took)
+    found["msma, a batch of one"] = impact_of(turns, places[:alone], took)
     for name, solver in solvers(robot, urdf, tip).items():
         if solver.solve is None:
             continue
         mine = places[: len(places) // 4] if name == "ikpy" else places
         begun = time.perf_counter()
         turns = np.array([solver.solve(start, place) for place in mine])
-        found[name] = judged(turns, mine, time.perf_counter() - begun)
+        found[name] = impact_of(turns, mine, time.perf_counter() - begun)
     return found

@@ -35,7 +35,7 @@ _PATIENCE = 25.0  # [s] for all to be obeyed
 _OTHERS = 2  # the plant and the goal source
 
 
-class Grown(NamedTuple):
+class ArmMeasurement(NamedTuple):
     """One arm, measured.
 
     due, answered: ticks told, times agents, and those in whose period a new command came
@@ -75,7 +75,7 @@ class ScaleBench(Bench):
         if self._hosts:
             sides += [(HOSTS, n) for n in self._sizes if n <= HOSTS_UP_TO]
         progress.begin(len(sides))
-        found: dict[str, list[Grown]] = {}
+        found: dict[str, list[ArmMeasurement]] = {}
         failed = []
         for side, joints in sides:
             progress.step(f"{joints} joints, {side}")
@@ -102,7 +102,7 @@ class ScaleBench(Bench):
         return (growth(result.data, folder / "scale.png"),)
 
 
-def _grow(joints: int, side: str, seconds: float) -> Grown:
+def _grow(joints: int, side: str, seconds: float) -> ArmMeasurement:
     """Launch an arm of so many joints, and measure it once all agents are obeyed."""
     with tempfile.TemporaryDirectory(prefix="msma-bench-") as place:
         file = write_arm(Path(place), joints, spread=side == HOSTS)
@@ -136,7 +136,7 @@ def _grow(joints: int, side: str, seconds: float) -> Grown:
     took = np.sort(PERIOD - record.age[inside].ravel())  # a period after its state, less its age
     took = took[~np.isnan(took)]
     assert deployment.goal is not None
-    return Grown(
+    return ArmMeasurement(
         joints,
         int(inside.sum()) * joints,
         min(answered, int(inside.sum()) * joints),
@@ -229,7 +229,7 @@ def _memory(usage: Mapping[str, Usage]) -> tuple[int, int]:
     return max(sizes, default=0), sum(sizes)
 
 
-def _bars(found: Mapping[str, Sequence[Grown]]) -> tuple[Row, ...]:
+def _bars(found: Mapping[str, Sequence[ArmMeasurement]]) -> tuple[Row, ...]:
     rows = []
     for one in found.get(FULL, ()):
         if one.joints == BARRED:
@@ -239,7 +239,7 @@ def _bars(found: Mapping[str, Sequence[Grown]]) -> tuple[Row, ...]:
     return tuple(rows)
 
 
-def _table(found: Mapping[str, Sequence[Grown]]) -> Table:
+def _table(found: Mapping[str, Sequence[ArmMeasurement]]) -> Table:
     rows = []
     for side, runs in found.items():
         for one in runs:
@@ -257,7 +257,7 @@ def _table(found: Mapping[str, Sequence[Grown]]) -> Table:
     return Table("a planar arm of 1 m at 60 ms", head, tuple(rows))
 
 
-def _growth(found: Mapping[str, Sequence[Grown]]) -> Table:
+def _growth(found: Mapping[str, Sequence[ArmMeasurement]]) -> Table:
     """Return by which power of the number of processes each cost grows, from end to end."""
     rows = []
     for side, runs in found.items():

@@ -1,1 +1,1 @@
-"""Seven-way echo: the traffic of the mobile arm without its thinking, over any system."""
+"""Echo of seven agents: the traffic of the mobile arm without its decisions, over any system."""

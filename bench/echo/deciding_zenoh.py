@@ -1,9 +1,8 @@
-"""One process of the plain echo that does our thinking as well: what a loop in Python can reach.
+"""One process of the plain Zenoh echo that also decides: the limit of such a loop in Python.
 
-A plant that simulates and agents that decide, as often as ours do; each reads what it goes by, and
-writes what it tells, as the wire contract has it. There is nothing around that: nobody is held
-against who else speaks in that role, no percept is put together, nothing is logged. What they read
-and think about was recorded.
+The plant simulates and the agents decide, as often as MSMA's do, and all of them pack and unpack
+the messages of the wire contract. Arbitration, percepts and logs are left out: the agents decide on
+recorded percepts.
 """
 
 from collections.abc import Callable, Sequence
@@ -12,8 +11,8 @@ from typing import NamedTuple
 
 from agents.agent import Agent, Array, Percepts
 from bench.decisions import ArmRun, arm_run
-from bench.echo.plain_zenoh import be, nothing
-from bench.echo.workload import AGENTS, GOAL, ROLES, part_of
+from bench.echo.plain_zenoh import do_nothing, run_process
+from bench.echo.workload import AGENTS, GOAL, ROLES, parse_args
 from runtime.processes.timing import Cadence, apart
 from runtime.wire.messages import (
     EndEffectorPose,
@@ -31,22 +30,22 @@ _RECORDED = 200  # ticks
 _UPRIGHT = (0.0, 0.0, 0.0, 1.0)
 
 
-class Thought(NamedTuple):
-    """What a process does each tick: before it tells its message, and afterwards."""
+class TickWork(NamedTuple):
+    """What a process does each tick, before and after it publishes its message."""
 
     before: Callable[[], object]
-    afterwards: Callable[[], object] = nothing
+    after: Callable[[], object] = do_nothing
 
     def whole(self) -> None:
         """Do both."""
         self.before()
-        self.afterwards()
+        self.after()
 
 
-def thought_of(role: str, period: float) -> Thought:
-    """Return what the process of a role reads, thinks and writes each tick of `period` [s]."""
+def tick_work(role: str, period: float) -> TickWork:
+    """Return what the process of a role unpacks, decides and packs each tick of `period` [s]."""
     if role == GOAL:
-        return Thought(nothing)
+        return TickWork(do_nothing)
     run = arm_run(_RECORDED, period)
     if role == PLANT:
         return _plant_of(run)
@@ -55,15 +54,15 @@ def thought_of(role: str, period: float) -> Thought:
     return _agent_of(agent, run.seen, cadence, period)
 
 
-def _plant_of(run: ArmRun) -> Thought:
-    """Write the state as it is told, and before that, outside of the answer times, make it."""
+def _plant_of(run: ArmRun) -> TickWork:
+    """Pack the state before publishing it; unpack the answers and simulate after."""
     commands = [_command(0.0, velocity) for velocity in (*run.commands.joints, run.commands.base)]
     answers = [(type(command), pack(command)) for command in commands]
     base, hand, joints = _states(run.seen[-1])
 
     def write() -> None:
-        for told in (base, hand, joints):
-            pack(told)
+        for state in (base, hand, joints):
+            pack(state)
 
     def simulate() -> None:
         for kind, data in answers:
@@ -73,11 +72,11 @@ def _plant_of(run: ArmRun) -> Thought:
         run.plant.read()
 
     assert len(answers) == len(AGENTS)
-    return Thought(write, simulate)
+    return TickWork(write, simulate)
 
 
-def _agent_of(agent: Agent, seen: Sequence[Percepts], cadence: Cadence, period: float) -> Thought:
-    """Read what calls for an answer, and decide as often as our agents do: once that is told."""
+def _agent_of(agent: Agent, seen: Sequence[Percepts], cadence: Cadence, period: float) -> TickWork:
+    """Answer with the last decision before publishing; decide after, as often as MSMA's agents."""
     states = [_states(percepts) for percepts in seen]
     ticks = cycle(
         [(percepts, pack(base), pack(joints))
@@ -101,12 +100,12 @@ def _agent_of(agent: Agent, seen: Sequence[Percepts], cadence: Cadence, period: 
                 unpack(PlatformPose, base)
             decided = agent.decide(percepts)
 
-    assert agent.rest > period  # or ours would decide before they answer
-    return Thought(answer, decide)
+    assert agent.rest > period  # or MSMA's agents would decide before they answer
+    return TickWork(answer, decide)
 
 
 def _states(percepts: Percepts) -> tuple[Message, ...]:
-    """Return what a plant tells of what is perceived."""
+    """Return the messages of a plant from which these percepts come."""
     t, hand, joints, base, *_ = percepts
     assert hand is not None
     assert joints is not None
@@ -118,17 +117,17 @@ def _states(percepts: Percepts) -> tuple[Message, ...]:
     )
 
 
-def _command(t: float, wanted: Array | float) -> Message:
-    """Return what an agent tells that wants a joint's velocity [rad/s], or a platform's two."""
-    if isinstance(wanted, float):
-        return JointCommand(t, wanted)
-    return PlatformCommand(t, float(wanted[0]), float(wanted[1]))
+def _command(t: float, velocity: Array | float) -> Message:
+    """Return the command for a joint's velocity [rad/s] or a platform's two [m/s], [rad/s]."""
+    if isinstance(velocity, float):
+        return JointCommand(t, velocity)
+    return PlatformCommand(t, float(velocity[0]), float(velocity[1]))
 
 
 def main() -> None:
-    """Be the part that the command line names."""
-    part = part_of()
-    be(part, *thought_of(part.role, 1 / part.rate))
+    """Run the process that the command line specifies."""
+    spec = parse_args()
+    run_process(spec, *tick_work(spec.role, 1 / spec.rate))
 
 
 if __name__ == "__main__":

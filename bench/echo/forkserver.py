@@ -1,11 +1,11 @@
-"""Starts modules of ours as copies of one process that has imported them, as a launch does.
+"""Starts modules as copies of one process that has imported them, as a launch does.
 
-So all have the same at the same addresses, and what the processor has learned of one serves the
-next. Started one by one, each has addresses of its own, and a tick of nine processes takes a
-quarter more of the processors' time.
+All copies have the same code at the same addresses, so the caches and branch predictors of the
+processor serve all of them. Started one by one, each process has its own addresses, and a tick of
+nine processes takes a quarter more processor time.
 
-It reads commands as JSON, `[[module, word, ...], ...]`, says their process ids, gives its standard
-output to the first, and kills them all when its standard input is closed, whoever closes it.
+It reads commands as JSON, `[[module, argument, ...], ...]`, prints their process ids, gives its
+standard output to the first one, and kills all of them when its standard input is closed.
 """
 
 import gc
@@ -21,31 +21,33 @@ from runtime.processes.roles import preload
 from runtime.processes.scheduling import set_realtime
 from runtime.spawning.forkserver import copied
 
-BORN = "born"
+STARTED = "started"
 """The event that is printed first, with the `pids`."""
 
 
 def main() -> None:
-    """Start what standard input says, and end it when that is closed."""
+    """Start the commands on standard input, and kill their processes when it is closed."""
     commands: list[list[str]] = json.loads(sys.stdin.readline())
     preload()
     for name, *_ in commands:
         import_module(name)
-    gc.freeze()  # so that collecting garbage does not make the copies' memory their own
-    pids = [copied(partial(_be, command, index == 0)) for index, command in enumerate(commands)]
-    print(json.dumps({"event": BORN, "pids": pids}), flush=True)
+    gc.freeze()  # so that garbage collection does not unshare the copies' memory
+    pids = [
+        copied(partial(_run_module, command, index == 0)) for index, command in enumerate(commands)
+    ]
+    print(json.dumps({"event": STARTED, "pids": pids}), flush=True)
     sys.stdin.read()
     for pid in pids:
         os.kill(pid, signal.SIGKILL)
 
 
-def _be(command: Sequence[str], first: bool) -> int:
+def _run_module(command: Sequence[str], first: bool) -> int:
     """Run the module's `main` in this process."""
     nothing = os.open(os.devnull, os.O_RDWR)
     os.dup2(nothing, 0)
     if not first:
         os.dup2(nothing, 1)
-    set_realtime()  # all sides alike
+    set_realtime()  # as all processes that are compared
     sys.argv = list(command)
     return import_module(command[0]).main() or 0
 

@@ -1,4 +1,4 @@
-"""One process of the echo over plain Zenoh, with the sessions of ours and nothing else of it."""
+"""One process of the echo over plain Zenoh, with the session settings of MSMA."""
 
 import time
 from collections import deque
@@ -13,37 +13,37 @@ from bench.echo.workload import (
     JOINT_STATES,
     ROLES,
     STATES,
-    Part,
-    be_agent,
-    be_goal,
-    be_plant,
+    EchoSpec,
     command_key,
     message,
-    part_of,
+    parse_args,
+    run_agent,
+    run_goal_source,
+    run_plant,
 )
 from runtime.wire.mesh import on_loopback
 from runtime.wire.session import config
 
 
-def nothing() -> None:
-    """Do nothing at all."""
+def do_nothing() -> None:
+    """Do nothing."""
 
 
 def main() -> None:
-    """Be the part that the command line names."""
-    be(part_of())
+    """Run the process that the command line specifies."""
+    run_process(parse_args())
 
 
-def be(
-    part: Part, think: Callable[[], object] = nothing, afterwards: Callable[[], object] = nothing
+def run_process(
+    spec: EchoSpec,
+    before: Callable[[], object] = do_nothing,
+    after: Callable[[], object] = do_nothing,
 ) -> None:
-    """Be that part, and `think` before each message that is told and `afterwards`."""
-    slot = ROLES.index(part.role)
-    with zenoh.open(config("echo", on_loopback(part.port, len(ROLES)).seat(slot))) as session:
-        if part.role == "plant":
-            _plant(session, part, think, afterwards)
-        else:
-            _answer(session, part, think, afterwards)
+    """Run a process of the echo, and call `before` and `after` around each of its messages."""
+    slot = ROLES.index(spec.role)
+    with zenoh.open(config("echo", on_loopback(spec.port, len(ROLES)).seat(slot))) as session:
+        run = _run_plant if spec.role == "plant" else _run_other
+        run(session, spec, before, after)
 
 
 def _publisher(session: zenoh.Session, key: str, *, express: bool = True) -> zenoh.Publisher:
@@ -55,65 +55,65 @@ def _publisher(session: zenoh.Session, key: str, *, express: bool = True) -> zen
     )
 
 
-def _plant(
+def _run_plant(
     session: zenoh.Session,
-    part: Part,
-    think: Callable[[], object],
-    afterwards: Callable[[], object],
+    spec: EchoSpec,
+    before: Callable[[], object],
+    after: Callable[[], object],
 ) -> None:
-    came: deque[tuple[str, float, zenoh.Sample]] = deque()
+    arrivals: deque[tuple[str, float, zenoh.Sample]] = deque()
 
     def listen(role: str) -> None:
         session.declare_subscriber(
-            command_key(role), lambda sample: came.append((role, time.monotonic(), sample))
+            command_key(role), lambda sample: arrivals.append((role, time.monotonic(), sample))
         )
 
     for role in AGENTS:
         listen(role)
-    # the last one takes the others along: one packet a tick for each agent, as ours does
+    # the express one flushes the others: one packet a tick for each agent, as in MSMA
     out = [_publisher(session, key, express=key == JOINT_STATES) for key in STATES]
 
-    def tell(tick: int) -> None:
-        think()
+    def publish(tick: int) -> None:
+        before()
         for publisher, size in zip(out, STATES.values(), strict=True):
             publisher.put(message(tick, size))
 
-    def heard() -> Iterator[tuple[str, float, bytes]]:
-        for _ in range(len(came)):
-            role, arrived, sample = came.popleft()
+    def received() -> Iterator[tuple[str, float, bytes]]:
+        for _ in range(len(arrivals)):
+            role, arrived, sample = arrivals.popleft()
             yield role, arrived, sample.payload.to_bytes()
-        afterwards()  # once it has heard the answers, before the next state is told
+        after()  # all answers are in, and the next state is not yet due
 
-    be_plant(part, tell, heard)
+    run_plant(spec, publish, received)
 
 
-def _answer(
+def _run_other(
     session: zenoh.Session,
-    part: Part,
-    think: Callable[[], object],
-    afterwards: Callable[[], object],
+    spec: EchoSpec,
+    before: Callable[[], object],
+    after: Callable[[], object],
 ) -> None:
-    key = GOAL if part.role == GOAL else command_key(part.role)
+    key = GOAL if spec.role == GOAL else command_key(spec.role)
     out = _publisher(session, key)
     states = session.declare_subscriber(JOINT_STATES, RingChannel(1))
-    if part.role == GOAL:
-        be_goal(lambda: states.recv().payload.to_bytes(), out.put)
+    if spec.role == GOAL:
+        run_goal_source(lambda: states.recv().payload.to_bytes(), out.put)
     else:
         others = [
             session.declare_subscriber(other, RingChannel(8))
             for other in (*STATES, GOAL) if other != JOINT_STATES
         ]  # fmt: skip
 
-        def newest() -> bytes:
-            afterwards()  # once it has told its answer to the state before
+        def latest_state() -> bytes:
+            after()  # the previous answer is sent
             state = states.recv().payload.to_bytes()
             for other in others:
                 while (sample := other.try_recv()) is not None:
                     sample.payload.to_bytes()
-            think()
+            before()
             return state
 
-        be_agent(part, newest, out.put)
+        run_agent(spec, latest_state, out.put)
 
 
 if __name__ == "__main__":

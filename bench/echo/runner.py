@@ -1,4 +1,4 @@
-"""One side of a comparison: its processes are started, timed, weighed and ended."""
+"""Runs the processes of one system: starts, times and ends them, and measures their cost."""
 
 import json
 import os
@@ -13,24 +13,24 @@ from pathlib import Path
 from typing import IO, Any
 
 from bench.bench import BenchError
-from bench.echo.forkserver import BORN
+from bench.echo.forkserver import STARTED
 from bench.ticks import DONE, GO, PATIENCE, SETTLE
 from bench.usage import Meter, Usage, lives
 
 ROOT = Path(__file__).parents[2]
-_LOOK = 0.5  # [s]
+_POLL = 0.5  # [s]
 SPARE = 10.0
-"""For starting and adding up [s]."""
+"""Time allowed for starting, and for evaluation [s]."""
 
 
 @dataclass(frozen=True)
-class Measured:
-    """What one run of one side gave.
+class Measurement:
+    """Results of one run of one system.
 
     Attributes:
-        ticks: What `Ticks.result` says.
-        usage: Of each process, by role.
-        ready: From the start of the first process until all have answered [s], to a period.
+        ticks: The result of `Ticks.result`.
+        usage: Cost of each process, by role.
+        ready: Time from the start of the first process until all have answered [s], to a period.
     """
 
     ticks: Mapping[str, Any]
@@ -39,55 +39,58 @@ class Measured:
 
     @property
     def in_time(self) -> float:
-        """Share of the ticks that were due which all answered within the period."""
+        """Share of the due ticks that all agents answered within the period."""
         return float(self.ticks["in_time"] / (self.ticks["ticks"] + self.ticks["missed"]))
 
     @property
     def answered(self) -> float:
-        """Share of the ticks told that all answered, in time or late."""
+        """Share of the sent ticks that all agents answered, in time or late."""
         return float(self.ticks["answered"] / max(self.ticks["ticks"], 1))
 
     def time(self, which: str) -> float:
-        """Return p50, p99, p999 or worst of the answers' times [s]."""
+        """Return the p50, p99, p999 or worst latency [s]."""
         return float(self.ticks["times"][which])
 
     @property
     def cores(self) -> float:
-        """How many cores all processes keep busy together."""
+        """Number of cores that all processes use together."""
         return sum(usage.cpu for usage in self.usage.values())
 
 
 def environment(**more: str) -> dict[str, str]:
-    """Return the environment in which a Python process finds our packages."""
+    """Return environment variables with which a Python process finds our packages."""
     path = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))
     return {**os.environ, "PYTHONPATH": path, "OPENBLAS_NUM_THREADS": "1", **more}
 
 
-def module(name: str, *words: str, python: str = sys.executable) -> list[str]:
-    """Return the command that runs a module of ours in some environment's Python."""
-    return [python, "-P", "-m", name, *words]
+def module(name: str, *arguments: str, python: str = sys.executable) -> list[str]:
+    """Return the command that runs one of our modules with the Python of an environment."""
+    return [python, "-P", "-m", name, *arguments]
 
 
 def run(
     commands: Mapping[str, Sequence[str]],
     seconds: float,
     errors: Path | None = None,
-) -> Measured:
-    """Start a process for each role, let the first measure for `seconds` [s], and end them all.
+) -> Measurement:
+    """Start a process for each role, measure, and end all of them.
 
-    commands: by role, a module of ours and the words that its `main` finds on the command line;
-        the first one, the plant, prints what `Ticks` says
-    errors: the file that takes what they complain of; by default nobody hears it
+    Args:
+        commands: By role, a module and its command-line arguments. The first one is the plant,
+            which prints the events of `Ticks`.
+        seconds: Duration of the measurement [s].
+        errors: File for the standard error of all processes; by default it is discarded.
 
-    Raises `BenchError` if it comes to nothing, with what the measuring one said.
+    Raises:
+        BenchError: The measurement failed; the message is that of the plant.
     """
     began = time.monotonic()
-    with (errors or Path(os.devnull)).open("ab") as ears, ExitStack() as stack:
+    with (errors or Path(os.devnull)).open("ab") as stderr, ExitStack() as stack:
         forkserver = subprocess.Popen(
             module("bench.echo.forkserver"),
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
-            stderr=ears,
+            stderr=stderr,
             env=environment(),
         )
         stack.enter_context(forkserver)
@@ -95,8 +98,8 @@ def run(
         assert forkserver.stdout is not None
         forkserver.stdin.write(json.dumps([*commands.values()]).encode() + b"\n")
         forkserver.stdin.flush()
-        born = await_event(forkserver.stdout, BORN, SPARE)["pids"]
-        pids = dict(zip(commands, born, strict=True))
+        started = await_event(forkserver.stdout, STARTED, SPARE)["pids"]
+        pids = dict(zip(commands, started, strict=True))
         await_event(forkserver.stdout, GO, PATIENCE + SPARE)
         ready = time.monotonic() - began - SETTLE
         meter = Meter(pids)
@@ -104,19 +107,19 @@ def run(
         for role, pid in pids.items():
             if not lives(pid):
                 raise BenchError(f"{role} ended while it was measured: {commands[role]}")
-        return Measured(done, meter.usage(), ready)
+        return Measurement(done, meter.usage(), ready)
 
 
 def await_event(
-    out: IO[bytes], wanted: str, patience: float, look: Callable[[], None] = lambda: None
+    out: IO[bytes], wanted: str, timeout: float, check: Callable[[], None] = lambda: None
 ) -> dict[str, Any]:
-    """Wait for an event that the measuring process prints; `look` meanwhile, now and then."""
-    until = time.monotonic() + patience
+    """Wait for an event that the plant prints, and call `check` regularly meanwhile."""
+    until = time.monotonic() + timeout
     with selectors.DefaultSelector() as selector:
         selector.register(out, selectors.EVENT_READ)
         while (left := until - time.monotonic()) > 0:
-            look()
-            if not selector.select(min(left, _LOOK)):
+            check()
+            if not selector.select(min(left, _POLL)):
                 continue
             line = out.readline()
             if not line:
@@ -126,4 +129,4 @@ def await_event(
                 raise BenchError(event["error"])
             if event["event"] == wanted:
                 return event
-    raise BenchError(f"the process that measures said nothing for {patience:g} s")
+    raise BenchError(f"the process that measures did not print {wanted!r} within {timeout:g} s")

@@ -1,6 +1,6 @@
-"""A plant that only notes when which command came, to see how long one stays away.
+"""A plant that logs when each command arrives, and the gaps between arrivals.
 
-It runs in the environment of each side: standard library only.
+It runs in the environment of each system, so it needs only the standard library.
 """
 
 import itertools
@@ -8,36 +8,34 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from bench.echo.workload import AGENTS, Heard, Part
+from bench.echo.workload import AGENTS, EchoSpec, Received
 from bench.ticks import GO, Beat, say
 
-PLACE = "MSMA_BENCH_PLACE"
-"""The environment variable with the folder in which a run's processes meet."""
+RUN_FOLDER = "MSMA_BENCH_FOLDER"
+"""The environment variable with the folder of a run."""
 ARRIVALS = "arrivals"
-"""The file in that folder of a line for each command: its role and when it came."""
+"""The file in that folder with a line for each command: its role and its time of arrival."""
 
 
-def be_watched_plant(part: Part, tell: Callable[[int], None], heard: Heard) -> None:
-    """Tell one tick after another until killed; write who answered when. As `be_plant`."""
+def run_logging_plant(spec: EchoSpec, publish: Callable[[int], None], received: Received) -> None:
+    """Publish one tick after another until killed, and log the arrivals; used as `run_plant`."""
     missing = set(AGENTS)
-    beat = Beat(1 / part.rate)
-    tick = 0
+    beat = Beat(1 / spec.rate)
     with Path(ARRIVALS).open("a", encoding="ascii") as file:
-        while True:
+        for tick in itertools.count():
             beat.wait()
-            for role, arrived, _ in heard():
+            for role, arrived, _ in received():
                 file.write(f"{role} {arrived:.6f}\n")
                 if role in missing:
                     missing.discard(role)
                     if not missing:
                         say({"event": GO})
             file.flush()
-            tell(tick)
-            tick += 1
+            publish(tick)
 
 
 def read_arrivals(file: Path) -> dict[str, list[float]]:
-    """Return when commands of each role came [s, monotonic]."""
+    """Return when the commands of each role arrived [s, monotonic]."""
     arrivals: dict[str, list[float]] = {role: [] for role in AGENTS}
     for line in file.read_text(encoding="ascii").splitlines(keepends=True):
         role, _, when = line.partition(" ")
@@ -47,17 +45,20 @@ def read_arrivals(file: Path) -> dict[str, list[float]]:
 
 
 class Gap(NamedTuple):
-    """How long a command stayed away [s], and whether it came again before the watch ended."""
+    """A gap in commands [s], and whether it ended during the observation."""
 
     seconds: float
     ended: bool
 
 
 def gap(times: Sequence[float], since: float, until: float) -> Gap:
-    """Return the longest while without an arrival that touches `since` to `until` [s].
+    """Return the longest gap between arrivals that overlaps `since` to `until` [s].
 
-    times: of the arrivals, in order, also those after `until`: the first of them ends the last
-        gap, and if there is none it has not ended
+    Args:
+        times: Times of the arrivals in order [s], also after `until`: the first of those ends the
+            last gap; without one it has not ended.
+        since: Start of the observation [s].
+        until: End of the observation [s].
     """
     before = [time for time in times if time <= since]
     within = [time for time in times if since < time <= until]
@@ -70,5 +71,5 @@ def gap(times: Sequence[float], since: float, until: float) -> Gap:
 
 
 def worst(gaps: Iterable[Gap]) -> Gap:
-    """Return the longest of some gaps; one that did not end is longer than any that did."""
+    """Return the longest gap; one that did not end counts as longer than any that did."""
     return max(gaps, key=lambda each: (not each.ended, each.seconds))

@@ -1,4 +1,4 @@
-"""Our loop beside what one might else pick: how fast it answers, what it costs and survives."""
+"""MSMA's loop beside other systems: latency, cost, and the effect of kills."""
 
 import math
 import sys
@@ -10,51 +10,51 @@ from pathlib import Path
 from typing import Any
 
 from bench.bench import Bench, BenchError, Check, Result
-from bench.echo.runner import Measured
+from bench.echo.runner import Measurement
 from bench.loop import OURS, PLAIN, run_plain
-from bench.msma_runs import ARPH, deployed, run_ours
+from bench.msma_runs import ARPH, deployed, run_msma
 from bench.others.environments import environment
-from bench.others.kills import PERIOD, KillImpact, strike
-from bench.others.msma_kills import strike_ours
+from bench.others.kills import PERIOD, KillImpact, measure_kills
+from bench.others.msma_kills import measure_msma_kills
 from bench.others.processes import ProcessGroup
 from bench.others.systems import SYSTEMS, System
-from bench.others.tables import answers_table, blows_table, costs_table, notes, ready_table
+from bench.others.tables import costs_table, kills_table, latency_table, notes, ready_table
 from studies.study import Progress
 
 RATES = {17: 2.5, 100: 1.5, 500: 1.5, 1000: 1.5}
 """Rate [Hz] to how long it is measured in each round [s]; 17 stands for the paper's 60 ms."""
 ROUNDS = 3
 ENOUGH = 0.5
-"""Share of the ticks answered in time below which a system is taken not to follow a rate."""
-_TRIES = 2  # of a run that comes to nothing
+"""Share of ticks answered in time below which a system does not sustain a rate."""
+_TRIES = 2  # of a run that fails
 
-Runs = dict[int, dict[str, list[Measured]]]
-"""Rate to side to its runs."""
+Runs = dict[int, dict[str, list[Measurement]]]
+"""By rate [Hz], by system, its runs."""
 
 
 @dataclass
 class Found:
-    """What was measured.
+    """All results.
 
     Attributes:
-        versions: Of each system that could be had.
-        runs: The loop.
-        blows: Side to what each blow did, round by round.
-        failures: What came to nothing, in words.
-        off: Off the goal at worst in our runs, by rate [m].
+        versions: Version of each installed system.
+        runs: Runs of the loop.
+        kills: By system, the effect of each kill in each round.
+        failures: What failed, as text.
+        error: Largest error of the hand in MSMA's runs, by rate [m].
     """
 
     versions: dict[str, str] = field(default_factory=dict)
     runs: Runs = field(default_factory=lambda: defaultdict(lambda: defaultdict(list)))
-    blows: dict[str, list[list[KillImpact]]] = field(default_factory=lambda: defaultdict(list))
+    kills: dict[str, list[list[KillImpact]]] = field(default_factory=lambda: defaultdict(list))
     failures: list[str] = field(default_factory=list)
-    off: dict[int, float] = field(default_factory=lambda: defaultdict(float))
+    error: dict[int, float] = field(default_factory=lambda: defaultdict(float))
 
 
 def plan(sides: Sequence[str], rates: Sequence[int], rounds: int) -> Iterator[tuple[int, str]]:
-    """Give rate and side of one run after the other, every other round from the other end.
+    """Yield the rate and the system of each run, with every other round in reverse order.
 
-    Rates go upwards in each round, so that who cannot follow one need not be asked the next.
+    Rates increase within a round, so that a system that does not sustain one can be left out after.
     """
     for number in range(rounds):
         for rate in sorted(rates):
@@ -63,10 +63,10 @@ def plan(sides: Sequence[str], rates: Sequence[int], rounds: int) -> Iterator[tu
 
 
 class OthersBench(Bench):
-    """Seven agents and a plant over each system in turn, and what happens if one is killed."""
+    """Seven agents and a plant over each system in turn, and the effect of kills."""
 
     name = "others"
-    title = "Beside others: pyzmq, Cyclone DDS, dora-rs and SPADE"
+    title = "Other systems: pyzmq, Cyclone DDS, dora-rs and SPADE"
 
     def __init__(
         self,
@@ -74,39 +74,39 @@ class OthersBench(Bench):
         rounds: int = ROUNDS,
         systems: Sequence[System] = SYSTEMS,
     ) -> None:
-        """Measure at those rates [Hz], each for so long [s] in each round."""
+        """Measure at rates [Hz], each for a duration [s] in each round."""
         self._rates, self._rounds, self._systems = rates, rounds, systems
 
     def measure(self, size: float, progress: Progress) -> Result:
-        """Make the environments, then measure all sides in turn, then kill."""
+        """Make the environments, then measure all systems in turn, then apply the kills."""
         rounds = max(round(self._rounds * min(4 * size, 1)), 1)
         found = Found()
         pythons = self._environments(found, progress)
         sides = [OURS, PLAIN, *pythons]
-        struck = [each for each in self._systems if each.name in pythons and each.blows()]
-        progress.begin(rounds * (len(self._rates) * len(sides) + 2 * (1 + len(struck))))
+        killed = [each for each in self._systems if each.name in pythons and each.kills()]
+        progress.begin(rounds * (len(self._rates) * len(sides) + 2 * (1 + len(killed))))
         self._loops(found, sides, pythons, rounds, size, progress)
-        self._blows(found, struck, pythons, rounds, progress)
+        self._blows(found, killed, pythons, rounds, progress)
         return Result(
             checks=tuple(_checks(found)),
             bars=(),
             tables=(
-                answers_table(found.runs),
+                latency_table(found.runs),
                 costs_table(found.runs),
                 ready_table(found.runs),
-                blows_table(found.blows),
+                kills_table(found.kills),
             ),
             notes=notes(found.versions, found.failures),
             data=_data(found),
         )
 
     def draw(self, result: Result, folder: Path) -> tuple[Path, ...]:
-        """Draw the answers' times and the gaps."""
+        """Draw the latencies and the gaps."""
         from bench.others.drawing import draw_answers, draw_gaps
 
         return (
             draw_answers(result.data["loop"], folder / "others.png"),
-            draw_gaps(result.data["blows"], folder / "others-killed.png"),
+            draw_gaps(result.data["kills"], folder / "others-killed.png"),
         )
 
     def _environments(self, found: Found, progress: Progress) -> dict[str, Path]:
@@ -114,11 +114,11 @@ class OthersBench(Bench):
         progress.begin(len(self._systems))
         for system in self._systems:
             progress.step(f"environment of {system.name}")
-            name = system.side.rpartition(".")[2]
+            name = system.adapter.rpartition(".")[2]
             try:
                 python, versions = environment(name, system.requirements, _say)
             except BenchError as error:
-                found.failures.append(f"{system.name} could not be had: {error}.")
+                found.failures.append(f"{system.name} could not be installed: {error}.")
                 continue
             package = system.requirements[0].partition("=")[0]
             pythons[system.name] = python
@@ -135,7 +135,7 @@ class OthersBench(Bench):
         progress: Progress,
     ) -> None:
         by_name = {system.name: system for system in self._systems}
-        too_fast: dict[str, int] = {}  # of the others only: all are compared to ours and to plain
+        too_fast: dict[str, int] = {}  # never MSMA or plain Zenoh: all are compared with these
         failed: Counter[tuple[str, int]] = Counter()
         for rate, side in plan(sides, list(self._rates), rounds):
             progress.step(f"{rate} Hz, {side}")
@@ -145,9 +145,9 @@ class OthersBench(Bench):
             real = 1 / PERIOD if rate == 17 else float(rate)
             try:
                 if side == OURS:
-                    run = run_ours(_deployment(rate), seconds)
+                    run = run_msma(_deployment(rate), seconds)
                     measured = run.measured
-                    found.off[rate] = max(found.off[rate], run.error)
+                    found.error[rate] = max(found.error[rate], run.error)
                 elif side == PLAIN:
                     measured = run_plain(real, seconds)
                 else:
@@ -170,14 +170,14 @@ class OthersBench(Bench):
         rounds: int,
         progress: Progress,
     ) -> None:
-        deals: dict[str, Callable[[], list[KillImpact]]] = {OURS: strike_ours}
+        measures: dict[str, Callable[[], list[KillImpact]]] = {OURS: measure_msma_kills}
         for system in systems:
-            deals[system.name] = partial(strike, system, pythons[system.name])
+            measures[system.name] = partial(measure_kills, system, pythons[system.name])
         for _ in range(rounds):
-            for side, deal in deals.items():
+            for side, measure in measures.items():
                 progress.step(f"kills, {side}", 2)
                 try:
-                    found.blows[side].append(deal())
+                    found.kills[side].append(measure())
                 except BenchError as error:
                     found.failures.append(f"{side}, when killed: {error}.")
 
@@ -186,8 +186,8 @@ def _say(text: str) -> None:
     print(f"\n{text}", file=sys.stderr, flush=True)
 
 
-def _run(system: System, python: Path, rate: float, seconds: float) -> Measured:
-    with ProcessGroup(python, system.side, rate, seconds) as processes:
+def _run(system: System, python: Path, rate: float, seconds: float) -> Measurement:
+    with ProcessGroup(python, system.adapter, rate, seconds) as processes:
         system.start(processes)
         return processes.measured()
 
@@ -202,23 +202,23 @@ def _checks(found: Found) -> Iterator[Check]:
         for side, runs in sides.items():
             kept = [run for run in runs if run.in_time >= ENOUGH]
             if not kept:
-                continue  # it does not follow: told in the tables
-            told = min(
+                continue  # it does not sustain this rate: see the tables
+            sent = min(
                 run.ticks["ticks"] / (run.ticks["ticks"] + run.ticks["missed"]) for run in kept
             )
             silent = {role for run in kept for role, n in run.ticks["heard"].items() if not n}
-            text = f"{100 * told:.1f} % of the ticks told, " + (
-                f"silent: {', '.join(sorted(silent))}" if silent else "all answer"
+            text = f"{100 * sent:.1f} % of the ticks sent, " + (
+                f"no answers from {', '.join(sorted(silent))}" if silent else "all answer"
             )
-            off = f"; hand off by {1e3 * found.off[rate]:.2f} mm" if side == OURS else ""
-            passed = told > 0.9 and not silent and (side != OURS or found.off[rate] < 0.006)
+            off = f"; error of the hand {1e3 * found.error[rate]:.2f} mm" if side == OURS else ""
+            passed = sent > 0.9 and not silent and (side != OURS or found.error[rate] < 0.006)
             yield Check(f"{rate} Hz, {side}", text + off, passed)
     if not found.runs:
         yield Check("anything", "nothing could be measured", False)
 
 
 def _finite(value: Any) -> Any:
-    """Return what JSON can hold: None for the time of an answer that never came."""
+    """Return a value for JSON, with None for an infinite time."""
     if isinstance(value, Mapping):
         return {name: _finite(each) for name, each in value.items()}
     if isinstance(value, list):
@@ -244,16 +244,16 @@ def _data(found: Found) -> dict[str, Any]:
             }
             for rate, sides in found.runs.items()
         },
-        "blows": {
+        "kills": {
             side: [
                 {
-                    "what": struck[0].what,
-                    "gaps": [each.gap._asdict() for each in struck],
-                    "others": [each.others._asdict() for each in struck],
-                    "back": [each.back for each in struck],
+                    "what": killed[0].what,
+                    "gaps": [each.gap._asdict() for each in killed],
+                    "others": [each.others._asdict() for each in killed],
+                    "back": [each.back for each in killed],
                 }
-                for struck in zip(*rounds, strict=True)
+                for killed in zip(*rounds, strict=True)
             ]
-            for side, rounds in found.blows.items()
+            for side, rounds in found.kills.items()
         },
     }

@@ -1,4 +1,4 @@
-"""The pictures of the bench beside others; colours of Okabe and Ito, which all can tell apart."""
+"""Pictures of the comparison with other systems."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -15,9 +15,11 @@ _TIMES = (0.1, 300.0)  # [ms]
 
 
 def draw_answers(loop: Mapping[str, Mapping[str, Sequence[Any]]], file: Path) -> Path:
-    """Draw how many answers took how long: one panel a rate, one line a system.
+    """Draw the distribution of latencies: one panel for each rate, one line for each system.
 
-    loop: rate to system to runs, as the bench's JSON has them
+    Args:
+        loop: By rate, by system, its runs, as in the JSON of the bench.
+        file: File to write.
     """
     figure, panels = sheet(3.2 * len(loop), 4.0, 1, len(loop))
     names = list(dict.fromkeys(side for sides in loop.values() for side in sides))
@@ -26,7 +28,7 @@ def draw_answers(loop: Mapping[str, Mapping[str, Sequence[Any]]], file: Path) ->
             number = names.index(side)
             curves = [run["ticks"]["curve"] for run in runs if None not in run["ticks"]["curve"]]
             if not curves:
-                continue  # nobody answered
+                continue  # no agent answered
             axis.plot(
                 [1e3 * median(column) for column in zip(*curves, strict=True)], range(101),
                 linestyle=DASHES[number], color=COLOURS[number], label=side,
@@ -35,9 +37,9 @@ def draw_answers(loop: Mapping[str, Mapping[str, Sequence[Any]]], file: Path) ->
         period = 60.0 if rate == "17" else 1e3 / float(rate)
         axis.axvline(period, color="black", linewidth=0.8)
         axis.text(period, 2, " period", fontsize=7)
-        axis.set(xscale="log", xlim=_TIMES, xlabel="answer time [ms]", title=f"{rate} Hz")
+        axis.set(xscale="log", xlim=_TIMES, xlabel="latency [ms]", title=f"{rate} Hz")
         axis.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    panels[0].set(ylabel="share of the answers that came [%]")
+    panels[0].set(ylabel="share of the answers [%]")
     every = [axis.get_legend_handles_labels() for axis in panels]
     by_name = {
         name: line for lines, found in every for line, name in zip(lines, found, strict=True)
@@ -47,14 +49,14 @@ def draw_answers(loop: Mapping[str, Mapping[str, Sequence[Any]]], file: Path) ->
     return save(figure, file)
 
 
-def draw_gaps(blows: Mapping[str, Sequence[Any]], file: Path) -> Path:
-    """Draw how long commands stayed away after each kill; an open bar did not end."""
-    bars = [(side, blow) for side, dealt in blows.items() for blow in dealt]
+def draw_gaps(kills: Mapping[str, Sequence[Any]], file: Path) -> Path:
+    """Draw the gap in commands after each kill; an open bar did not end."""
+    bars = [(side, kill) for side, each in kills.items() for kill in each]
     figure, (axis,) = sheet(9.0, 1.2 + 0.42 * max(len(bars), 1))
-    for row, (side, blow) in enumerate(reversed(bars)):
+    for row, (side, kill) in enumerate(reversed(bars)):
         colour = BLUE if side == OURS else ORANGE
-        for number, gap in enumerate(blow["gaps"]):
-            height = 0.8 / len(blow["gaps"])
+        for number, gap in enumerate(kill["gaps"]):
+            height = 0.8 / len(kill["gaps"])
             axis.barh(
                 row - 0.4 + height * (number + 0.5), gap["seconds"], 0.85 * height,
                 color=colour if gap["ended"] else "white", edgecolor=colour,
@@ -67,14 +69,19 @@ def draw_gaps(blows: Mapping[str, Sequence[Any]], file: Path) -> Path:
         [f"{s}: {b['what'].replace('`', '')}" for s, b in reversed(bars)],
         fontsize=8,
     )
-    axis.set(xscale="log", xlim=(0.03, 100), xlabel="longest gap in commands [s]; a bar a round")
+    axis.set(
+        xscale="log", xlim=(0.03, 100), xlabel="longest gap in commands [s]; one bar for each round"
+    )
     axis.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axis.legend(
         handles=[
             Patch(color=BLUE, label=OURS),
             Patch(color=ORANGE, label="others"),
             Patch(
-                facecolor="white", edgecolor="black", hatch="///", label="not ended when watched"
+                facecolor="white",
+                edgecolor="black",
+                hatch="///",
+                label="not ended during the observation",
             ),
         ],
         fontsize=7,

@@ -10,31 +10,30 @@ import sys
 from importlib import import_module
 from pathlib import Path
 
-_LONGEST = 300  # [s]
+_TIME_LIMIT = 300  # [s]
 
 
 def main() -> None:
-    """Be the part that the command line names, in the folder where its run's processes meet."""
-    from bench.echo.workload import be_plant, part_of
-    from bench.others.arrivals import PLACE, be_watched_plant
+    """Run the process that the command line specifies, in the folder of its run."""
+    from bench.echo.workload import parse_args, run_plant
+    from bench.others.arrivals import RUN_FOLDER, run_logging_plant
 
-    os.chdir(os.environ[PLACE])  # some systems start processes elsewhere
-    module, how, *words = sys.argv[1:]
-    part = part_of(words)
+    os.chdir(os.environ[RUN_FOLDER])  # some systems start processes elsewhere
+    module, mode, *arguments = sys.argv[1:]
+    spec = parse_args(arguments)
     sys.setswitchinterval(0.0005)  # [s], as in our processes
-    signal.signal(signal.SIGTERM, lambda *_: os._exit(0))  # as good as killed: nothing to save
-    signal.alarm(_LONGEST)  # if the bench is killed, nobody else ends this
-    if part.role == "plant":
-        # not by file descriptor 1, for some systems print there, and keep what is printed
-        sys.stdout = open("said", "w", encoding="ascii")  # noqa: SIM115 # open to the end
-    Path(f"{part.role.replace('/', '-')}.{os.getpid()}.pid").touch()
-    side = import_module(module)
-    side.main(part, be_plant if how == "measured" else be_watched_plant)
+    signal.signal(signal.SIGTERM, lambda *_: os._exit(0))  # nothing to save
+    signal.alarm(_TIME_LIMIT)  # in case the bench itself is killed
+    if spec.role == "plant":
+        # not file descriptor 1, because some systems print there or capture it
+        sys.stdout = open("said", "w", encoding="ascii")  # noqa: SIM115 # stays open
+    Path(f"{spec.role.replace('/', '-')}.{os.getpid()}.pid").touch()
+    import_module(module).main(spec, run_plant if mode == "measured" else run_logging_plant)
 
 
 if __name__ == "__main__":
-    # this folder's modules are not for import by their bare names: our root takes its place, until
-    # it is settled where our own packages are
+    # our root replaces this folder on the import path until our own packages are imported, so that
+    # this folder's modules cannot be imported by their bare names
     sys.path[0] = str(Path(__file__).resolve().parents[2])
     for package in ("bench", sys.argv[1].partition(".")[0]):
         import_module(package)

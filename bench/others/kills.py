@@ -1,4 +1,4 @@
-"""How long commands stay away after something was killed."""
+"""The gap in commands after a process is killed."""
 
 import time
 from collections.abc import Mapping, Sequence
@@ -12,20 +12,20 @@ from bench.others.processes import ProcessGroup
 from bench.others.systems import System
 
 PERIOD = 0.06
-"""The paper's [s]."""
-CALM = 1.0
-"""Before and after each blow [s]."""
+"""The paper's control period [s]."""
+PAUSE = 1.0
+"""Time before and after each kill [s]."""
 
 
 @dataclass(frozen=True)
 class KillImpact:
-    """What a blow did.
+    """The effect of a kill.
 
     Attributes:
-        what: The blow.
-        gap: In the commands of whom it hit; the longest, if it hit all.
-        others: In those of the other agents, the longest; the same if it hit all.
-        back: How many of the agents commanded at the end.
+        what: What was killed.
+        gap: Gap in the commands of the killed agent; the longest of all if it affects all.
+        others: Longest gap in the commands of the other agents; the same if it affects all.
+        back: Number of agents that send commands at the end.
     """
 
     what: str
@@ -34,30 +34,30 @@ class KillImpact:
     back: int
 
 
-def judged(
+def impact_of(
     what: str, role: str | None, arrivals: Mapping[str, Sequence[float]], since: float, until: float
 ) -> KillImpact:
-    """Return what a blow at `since` [s] did to commands until `until` [s]."""
+    """Return the effect on commands of a kill at `since` [s], observed until `until` [s]."""
     gaps = {each: gap(times, since, until) for each, times in arrivals.items()}
-    hit = [gaps[role]] if role else list(gaps.values())
+    own = [gaps[role]] if role else list(gaps.values())
     others = [each for name, each in gaps.items() if name != role]
-    return KillImpact(what, worst(hit), worst(others), sum(each.ended for each in gaps.values()))
+    return KillImpact(what, worst(own), worst(others), sum(each.ended for each in gaps.values()))
 
 
-def strike(system: System, python: Path) -> list[KillImpact]:
-    """Start a system at 60 ms, deal it its blows, and return what each did."""
+def measure_kills(system: System, python: Path) -> list[KillImpact]:
+    """Start a system at 60 ms, apply its kills, and return the effect of each."""
     times = []
-    with ProcessGroup(python, system.side, 1 / PERIOD, None) as processes:
+    with ProcessGroup(python, system.adapter, 1 / PERIOD, None) as processes:
         system.start(processes)
         processes.wait_for_all()
-        for blow in system.blows():
-            time.sleep(CALM)
+        for kill in system.kills():
+            time.sleep(PAUSE)
             since = time.monotonic()
-            with suppress(BenchError, OSError):  # what does not start again is seen by the gap
-                blow.strike(processes)
-            until = since + blow.seconds
+            with suppress(BenchError, OSError):  # a failed restart shows as a gap
+                kill.strike(processes)
+            until = since + kill.seconds
             time.sleep(max(until - time.monotonic(), 0.0))
-            times.append((blow, since, until))
-        time.sleep(CALM)
+            times.append((kill, since, until))
+        time.sleep(PAUSE)
         arrivals = processes.arrivals()
-    return [judged(blow.what, blow.role, arrivals, *when) for blow, *when in times]
+    return [impact_of(kill.what, kill.role, arrivals, *when) for kill, *when in times]

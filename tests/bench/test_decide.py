@@ -15,7 +15,7 @@ from studies.study import Progress
 
 
 def test_what_is_timed_is_really_done(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setattr(decide, "CREWS", (250,))
+    monkeypatch.setattr(decide, "BATCHES", (250,))
     monkeypatch.setattr(decide, "TICKS", 40)
     monkeypatch.setattr(decide, "BATCH", 20)
     bench = DecideBench()

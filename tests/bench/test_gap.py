@@ -9,7 +9,7 @@ def test_an_agent_that_is_hit_is_stood_in_for_and_the_gap_is_measured(tmp_path: 
     result = bench.measure(1.0, Progress())
     assert result.sound, result.checks
     hits = result.data["hits"]
-    assert [(hit["blow"], hit["victim"]) for hit in hits] == [
+    assert [(hit["kill"], hit["victim"]) for hit in hits] == [
         ("kill", "joint/2"),
         ("hang", "joint/2"),
     ]

@@ -1,9 +1,11 @@
-from bench.interleaving import in_turn, ratio
+from bench.interleaving import interleaved, ratio
 
 
 def test_the_sides_take_turns_and_none_is_always_first() -> None:
     order: list[str] = []
-    measured = in_turn({"a": lambda: order.append("a"), "b": lambda: order.append("b")}, rounds=3)
+    measured = interleaved(
+        {"a": lambda: order.append("a"), "b": lambda: order.append("b")}, rounds=3
+    )
     assert order == ["a", "b", "b", "a", "a", "b"]
     assert {name: len(results) for name, results in measured.items()} == {"a": 3, "b": 3}
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from bench.bench import BenchError
-from bench.echo.runner import Measured, run
+from bench.echo.runner import Measurement, run
 from bench.echo.workload import (
     AGENTS,
     GOAL_SIZE,
@@ -14,23 +14,23 @@ from bench.echo.workload import (
     PLATFORM_COMMAND_SIZE,
     ROLES,
     STATES,
-    Part,
+    EchoSpec,
     answer,
-    arguments,
     command_key,
     message,
-    part_of,
+    parse_args,
     tick_of,
+    to_args,
 )
 from bench.loop import (
-    AMID,
-    EAGER,
-    LIMIT,
+    BUSY,
+    DECIDING,
+    EVERY_STATE,
     OURS,
     PLAIN,
     LoopBench,
     bars,
-    thoughts,
+    work_table,
 )
 from bench.machine import busy_cores
 from bench.usage import Usage, cpu_seconds, lives
@@ -75,8 +75,8 @@ def test_an_answer_names_the_tick_it_answers() -> None:
 
 
 def test_a_part_is_told_by_the_command_line() -> None:
-    part = Part("joint/3", 1000.0, 2.5, 7600)
-    assert part_of(arguments(part)) == part
+    part = EchoSpec("joint/3", 1000.0, 2.5, 7600)
+    assert parse_args(to_args(part)) == part
     assert ROLES[0] == "plant"
 
 
@@ -85,7 +85,7 @@ def test_all_sides_answer_and_are_weighed(tmp_path: Path) -> None:
     result = bench.measure(1.0, Progress())
     assert result.sound, result.checks
     sides = result.data["500"]
-    assert set(sides) == {OURS, PLAIN, LIMIT, EAGER, AMID}
+    assert set(sides) == {OURS, PLAIN, DECIDING, EVERY_STATE, BUSY}
     for (found,) in sides.values():
         assert found["ticks"]["ticks"] + found["ticks"]["missed"] == 500
         assert all(found["ticks"]["heard"].values())
@@ -112,35 +112,35 @@ def test_programs_keep_all_cores_busy_and_end() -> None:
     assert not any(lives(pid) for pid in started)
 
 
-def measured(in_time: int, p99: float, cpu: float) -> Measured:
+def measured(in_time: int, p99: float, cpu: float) -> Measurement:
     """Return what a run of 1000 ticks at 1 kHz gave."""
     times = {"p50": p99, "p99": p99, "p999": p99, "worst": p99}
     ticks = {"ticks": 1000, "missed": 0, "in_time": in_time, "times": times}
-    return Measured(ticks, {role: Usage(cpu, 1, 1, 1) for role in ROLES}, 1.0)
+    return Measurement(ticks, {role: Usage(cpu, 1, 1, 1) for role in ROLES}, 1.0)
 
 
 def test_a_bar_that_is_missed_stays_missed_and_names_what_there_is_to_be_had() -> None:
     sides = {
         OURS: [measured(0, 0.004, 0.2)],
         PLAIN: [measured(1000, 0.001, 0.05)],
-        LIMIT: [measured(30, 0.003, 0.15)],
+        DECIDING: [measured(30, 0.003, 0.15)],
     }
     answered, slower = bars({1000: sides})
     assert (answered.met, slower.met) == (False, False)
     assert answered.measured == (
         f"0.000 % (all but 1000 of 1000); {PLAIN}: 100.000 % (all but 0 of 1000); "
-        f"{LIMIT}: 3.000 % (all but 970 of 1000)"
+        f"{DECIDING}: 3.000 % (all but 970 of 1000)"
     )
     assert slower.measured.startswith("4.00 x")
-    assert f"{LIMIT}: 3.00 x" in slower.measured
+    assert f"{DECIDING}: 3.00 x" in slower.measured
 
 
 def test_a_thought_is_measured_alone_and_among_the_others() -> None:
-    sides = {PLAIN: [measured(0, 0.1, 0.05)], LIMIT: [measured(0, 0.1, 0.15)]}
-    (table,) = thoughts({1000: sides})
+    sides = {PLAIN: [measured(0, 0.1, 0.05)], DECIDING: [measured(0, 0.1, 0.15)]}
+    (table,) = work_table({1000: sides})
     assert [row[0] for row in table.rows] == ["plant", *AGENTS]
     assert all(float(alone) > 0 and among == "100" for _, alone, among in table.rows)
-    assert thoughts({17: sides}) == []
+    assert work_table({17: sides}) == []
 
 
 def test_a_side_whose_plant_ends_is_said_to_have_ended() -> None:

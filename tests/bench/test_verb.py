@@ -8,7 +8,7 @@ import pytest
 
 from bench import bench_verb
 from bench.bench import Bench, BenchError, Check, Result, Table
-from bench.machine import Busy, describe
+from bench.machine import CoreUsage, describe
 from bench.registry import BENCHES, bench
 from studies.study import Progress, Row
 
@@ -89,6 +89,6 @@ def test_every_bench_has_a_name_and_a_title(name: str) -> None:
 def test_the_machine_is_described() -> None:
     machine = describe()
     assert machine.libraries["eclipse-zenoh"] in machine.text()
-    busy, stolen = Busy().shares()
+    busy, stolen = CoreUsage().shares()
     assert 0 <= stolen <= 1
     assert 0 <= busy <= 1

@@ -1,7 +1,7 @@
 """Cyclone DDS for Python: best effort, keeping the last sample of each key.
 
-Of its documentation: the entity `DataReader` (`take_iter`, which waits on a wait set) and the
-policies of quality of service. The messages are arrays of bytes of our sizes.
+Follows its documentation of `DataReader` (`take_iter`, which waits on a wait set) and of the
+quality of service policies. The messages are byte arrays of the sizes of ours.
 """
 
 import threading
@@ -25,18 +25,18 @@ from bench.echo.workload import (
     GOAL,
     JOINT_STATES,
     STATES,
-    BePlant,
-    Part,
-    be_agent,
-    be_goal,
+    EchoSpec,
+    RunPlant,
     message,
+    run_agent,
+    run_goal_source,
 )
 
 _LATEST = Qos(Policy.Reliability.BestEffort, Policy.History.KeepLast(1))
 
 
 @dataclass
-class Told(IdlStruct, typename="Told"):  # type: ignore[misc, call-arg]
+class Payload(IdlStruct, typename="Payload"):  # type: ignore[misc, call-arg]
     """A state or a goal."""
 
     data: sequence[uint8]
@@ -44,59 +44,59 @@ class Told(IdlStruct, typename="Told"):  # type: ignore[misc, call-arg]
 
 @dataclass
 class Command(IdlStruct, typename="Command"):  # type: ignore[misc, call-arg]
-    """A command; each agent's is an instance of its own."""
+    """A command; each agent has its own instance."""
 
     agent: uint8
     key("agent")
     data: sequence[uint8]
 
 
-def main(part: Part, be_plant: BePlant) -> None:
-    """Be the part."""
-    participant = DomainParticipant(part.port)
+def main(spec: EchoSpec, run_plant: RunPlant) -> None:
+    """Run the process that `spec` describes."""
+    participant = DomainParticipant(spec.port)
     commands = Topic(participant, "command", Command)
-    told = {name: Topic(participant, name.replace("/", "_"), Told) for name in (*STATES, GOAL)}
-    if part.role == "plant":
-        _plant(participant, part, be_plant, told, commands)
+    topics = {name: Topic(participant, name.replace("/", "_"), Payload) for name in (*STATES, GOAL)}
+    if spec.role == "plant":
+        _plant(participant, spec, run_plant, topics, commands)
         return
-    board = DataReader(participant, told.pop(JOINT_STATES), qos=_LATEST)
+    board = DataReader(participant, topics.pop(JOINT_STATES), qos=_LATEST)
     states = board.take_iter()
-    if part.role == GOAL:
-        out = DataWriter(participant, told[GOAL], qos=_LATEST)
-        be_goal(lambda: bytes(next(states).data), lambda data: out.write(Told(data)))
+    if spec.role == GOAL:
+        out = DataWriter(participant, topics[GOAL], qos=_LATEST)
+        run_goal_source(lambda: bytes(next(states).data), lambda data: out.write(Payload(data)))
     else:
         out = DataWriter(participant, commands, qos=_LATEST)
-        others = [DataReader(participant, topic, qos=_LATEST) for topic in told.values()]
-        number = AGENTS.index(part.role)
+        others = [DataReader(participant, topic, qos=_LATEST) for topic in topics.values()]
+        number = AGENTS.index(spec.role)
 
-        def newest() -> bytes:
+        def latest_state() -> bytes:
             state = bytes(next(states).data)
             for other in others:
                 other.take()
             return state
 
-        be_agent(part, newest, lambda data: out.write(Command(number, data)))
+        run_agent(spec, latest_state, lambda data: out.write(Command(number, data)))
 
 
 def _plant(
-    participant: Any, part: Part, be_plant: BePlant, told: dict[str, Any], commands: Any
+    participant: Any, spec: EchoSpec, run_plant: RunPlant, topics: dict[str, Any], commands: Any
 ) -> None:
-    out = {name: DataWriter(participant, told[name], qos=_LATEST) for name in STATES}
+    out = {name: DataWriter(participant, topics[name], qos=_LATEST) for name in STATES}
     back = DataReader(participant, commands, qos=_LATEST)
-    came: deque[tuple[str, float, bytes]] = deque()
+    arrivals: deque[tuple[str, float, bytes]] = deque()
 
     def listen() -> None:
         for sample in back.take_iter():
-            came.append((AGENTS[sample.agent], time.monotonic(), bytes(sample.data)))
+            arrivals.append((AGENTS[sample.agent], time.monotonic(), bytes(sample.data)))
 
     threading.Thread(target=listen, daemon=True).start()
 
-    def tell(tick: int) -> None:
+    def publish(tick: int) -> None:
         for name, size in STATES.items():
-            out[name].write(Told(message(tick, size)))
+            out[name].write(Payload(message(tick, size)))
 
-    def heard() -> Iterator[tuple[str, float, bytes]]:
-        for _ in range(len(came)):
-            yield came.popleft()
+    def received() -> Iterator[tuple[str, float, bytes]]:
+        for _ in range(len(arrivals)):
+            yield arrivals.popleft()
 
-    be_plant(part, tell, heard)
+    run_plant(spec, publish, received)

@@ -1,6 +1,6 @@
-"""dora-rs: nodes of one dataflow, which its daemon starts.
+"""dora-rs: nodes of one dataflow, started by its daemon.
 
-Of its documentation: python-guide (nodes, arrays of bytes), yaml-spec (`queue_size`, restarts),
+Follows its documentation: python-guide (nodes, byte arrays), yaml-spec (`queue_size`, restarts),
 and the example python-concurrent-rw, in which one thread reads while another one sends.
 """
 
@@ -18,28 +18,28 @@ from bench.echo.workload import (
     GOAL,
     JOINT_STATES,
     STATES,
-    BePlant,
-    Part,
-    be_agent,
-    be_goal,
+    EchoSpec,
+    RunPlant,
     message,
+    run_agent,
+    run_goal_source,
 )
 
 
 def identifier(name: str) -> str:
-    """Return a role or a key as the name of a node or output."""
+    """Return the name of a node or an output for a role or a key."""
     return name.replace("/", "-")
 
 
-def main(part: Part, be_plant: BePlant) -> None:
-    """Be the part."""
+def main(spec: EchoSpec, run_plant: RunPlant) -> None:
+    """Run the process that `spec` describes."""
     node = Node()
-    if part.role == "plant":
-        _plant(node, part, be_plant)
-    elif part.role == GOAL:
-        be_goal(lambda: _newest(node), lambda data: _send(node, "goal", data))
+    if spec.role == "plant":
+        _plant(node, spec, run_plant)
+    elif spec.role == GOAL:
+        run_goal_source(lambda: _newest(node), lambda data: _send(node, "goal", data))
     else:
-        be_agent(part, lambda: _newest(node), lambda data: _send(node, "command", data))
+        run_agent(spec, lambda: _newest(node), lambda data: _send(node, "command", data))
 
 
 def _send(node: Any, output: str, data: bytes) -> None:
@@ -52,7 +52,7 @@ def _bytes(event: dict[str, Any]) -> bytes:
 
 
 def _newest(node: Any) -> bytes:
-    """Wait for the joint states; of each input the dataflow keeps the newest message only."""
+    """Wait for the joint states; the dataflow keeps only the newest message of each input."""
     while (event := node.next()) is not None:
         if event["type"] == "STOP":
             break
@@ -61,23 +61,23 @@ def _newest(node: Any) -> bytes:
     raise SystemExit
 
 
-def _plant(node: Any, part: Part, be_plant: BePlant) -> None:
-    came: deque[tuple[str, float, bytes]] = deque()
+def _plant(node: Any, spec: EchoSpec, run_plant: RunPlant) -> None:
+    arrivals: deque[tuple[str, float, bytes]] = deque()
     roles = {identifier(role): role for role in AGENTS}
 
     def listen() -> None:
         for event in node:
             if event["type"] == "INPUT":
-                came.append((roles[event["id"]], time.monotonic(), _bytes(event)))
+                arrivals.append((roles[event["id"]], time.monotonic(), _bytes(event)))
 
     threading.Thread(target=listen, daemon=True).start()
 
-    def tell(tick: int) -> None:
+    def publish(tick: int) -> None:
         for kind, size in STATES.items():
             _send(node, identifier(kind), message(tick, size))
 
-    def heard() -> Iterator[tuple[str, float, bytes]]:
-        for _ in range(len(came)):
-            yield came.popleft()
+    def received() -> Iterator[tuple[str, float, bytes]]:
+        for _ in range(len(arrivals)):
+            yield arrivals.popleft()
 
-    be_plant(part, tell, heard)
+    run_plant(spec, publish, received)

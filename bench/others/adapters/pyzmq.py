@@ -1,8 +1,8 @@
-"""pyzmq: PUB and SUB over ipc, which its guide has for processes of one host.
+"""pyzmq: PUB and SUB over ipc, which its guide recommends between processes of one host.
 
-The ZeroMQ guide, chapter 2 (transports) and chapter 5 (publish and subscribe). An agent takes all
-that waits and answers the newest state: the option CONFLATE would keep one message of all kinds
-together.
+Follows the ZeroMQ guide, chapter 2 (transports) and chapter 5 (publish and subscribe). An agent
+reads all waiting messages and answers the newest state; the option CONFLATE would keep only one
+message of all kinds together.
 """
 
 import threading
@@ -17,11 +17,11 @@ from bench.echo.workload import (
     GOAL,
     JOINT_STATES,
     STATES,
-    BePlant,
-    Part,
-    be_agent,
-    be_goal,
+    EchoSpec,
+    RunPlant,
     message,
+    run_agent,
+    run_goal_source,
 )
 
 _KINDS = (*STATES, GOAL, *AGENTS)
@@ -29,26 +29,26 @@ _PLANT, _GOAL, _COMMANDS = "ipc://plant", "ipc://goal", "ipc://commands"
 _STATE = _KINDS.index(JOINT_STATES)
 
 
-def main(part: Part, be_plant: BePlant) -> None:
-    """Be the part."""
+def main(spec: EchoSpec, run_plant: RunPlant) -> None:
+    """Run the process that `spec` describes."""
     context: zmq.Context[zmq.Socket[bytes]] = zmq.Context()
-    if part.role == "plant":
-        _plant(context, part, be_plant)
-    elif part.role == GOAL:
+    if spec.role == "plant":
+        _plant(context, spec, run_plant)
+    elif spec.role == GOAL:
         board, out = _subscriber(context, _PLANT), context.socket(zmq.PUB)
         out.bind(_GOAL)
-        be_goal(lambda: _newest(board), lambda data: _send(out, GOAL, data))
+        run_goal_source(lambda: _newest(board), lambda data: _send(out, GOAL, data))
     else:
         board, out = _subscriber(context, _PLANT, _GOAL), context.socket(zmq.PUB)
         out.connect(_COMMANDS)
-        be_agent(part, lambda: _newest(board), lambda data: _send(out, part.role, data))
+        run_agent(spec, lambda: _newest(board), lambda data: _send(out, spec.role, data))
 
 
-def _subscriber(context: "zmq.Context[zmq.Socket[bytes]]", *places: str) -> "zmq.Socket[bytes]":
+def _subscriber(context: "zmq.Context[zmq.Socket[bytes]]", *endpoints: str) -> "zmq.Socket[bytes]":
     board = context.socket(zmq.SUB)
     board.subscribe(b"")
-    for place in places:
-        board.connect(place)
+    for endpoint in endpoints:
+        board.connect(endpoint)
     return board
 
 
@@ -57,35 +57,35 @@ def _send(out: "zmq.Socket[bytes]", kind: str, data: bytes) -> None:
 
 
 def _newest(board: "zmq.Socket[bytes]") -> bytes:
-    newest = b""
-    while not newest or board.poll(0):
+    latest_state = b""
+    while not latest_state or board.poll(0):
         data = board.recv()
         if data[0] == _STATE:
-            newest = data
-    return newest[1:]
+            latest_state = data
+    return latest_state[1:]
 
 
-def _plant(context: "zmq.Context[zmq.Socket[bytes]]", part: Part, be_plant: BePlant) -> None:
+def _plant(context: "zmq.Context[zmq.Socket[bytes]]", spec: EchoSpec, run_plant: RunPlant) -> None:
     out, back = context.socket(zmq.PUB), context.socket(zmq.SUB)
     out.bind(_PLANT)
     back.subscribe(b"")
     back.bind(_COMMANDS)
-    came: deque[tuple[float, bytes]] = deque()
+    arrivals: deque[tuple[float, bytes]] = deque()
 
     def listen() -> None:
         while True:
             data = back.recv()
-            came.append((time.monotonic(), data))
+            arrivals.append((time.monotonic(), data))
 
     threading.Thread(target=listen, daemon=True).start()
 
-    def tell(tick: int) -> None:
+    def publish(tick: int) -> None:
         for kind, size in STATES.items():
             _send(out, kind, message(tick, size))
 
-    def heard() -> Iterator[tuple[str, float, bytes]]:
-        for _ in range(len(came)):
-            arrived, data = came.popleft()
+    def received() -> Iterator[tuple[str, float, bytes]]:
+        for _ in range(len(arrivals)):
+            arrived, data = arrivals.popleft()
             yield _KINDS[data[0]], arrived, data[1:]
 
-    be_plant(part, tell, heard)
+    run_plant(spec, publish, received)

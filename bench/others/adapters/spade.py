@@ -1,8 +1,8 @@
-"""SPADE: each agent in a process of its own, over the XMPP server that comes with it.
+"""SPADE: each agent in its own process, over the XMPP server that comes with it.
 
-Of its documentation: usage (`spade run`, the server for agents of several processes) and
-behaviours (a cyclic one that receives). A message has one receiver, so the plant sends each of
-them the three states in one; and it is text, of as many letters as our messages have bytes.
+Follows its documentation: usage (`spade run`, the server for agents of several processes) and
+behaviours (a cyclic one that receives). A message has one receiver, so the plant sends the three
+states to each agent in one message. Messages are text, with as many characters as ours have bytes.
 """
 
 import asyncio
@@ -24,21 +24,21 @@ from bench.echo.workload import (
     GOAL_SIZE,
     ROLES,
     STATES,
-    BePlant,
-    Part,
+    EchoSpec,
+    RunPlant,
     answer,
     message,
     tick_of,
 )
 
 _DIGITS = 12
-_PATIENCE = 1.0  # [s] for a message, before asking again
+_TIMEOUT = 1.0  # [s] of one wait for a message
 
 
-def main(part: Part, be_plant: BePlant) -> None:
-    """Be the part."""
-    kind = {"plant": _Plant, GOAL: _Goal}.get(part.role, _Mover)
-    spade.run(_live(kind(part, be_plant)))
+def main(spec: EchoSpec, run_plant: RunPlant) -> None:
+    """Run the process that `spec` describes."""
+    kind = {"plant": _Plant, GOAL: _Goal}.get(spec.role, _AgentRole)
+    spade.run(_live(kind(spec, run_plant)))
 
 
 async def _live(agent: Any) -> None:
@@ -59,86 +59,90 @@ def _bytes(letters: str) -> bytes:
 
 
 class _Role(Agent):  # type: ignore[misc]
-    def __init__(self, part: Part, be_plant: BePlant) -> None:
-        super().__init__(_name(part.role), "secret", port=part.port)
-        self.part, self.be_plant = part, be_plant
+    def __init__(self, spec: EchoSpec, run_plant: RunPlant) -> None:
+        super().__init__(_name(spec.role), "secret", port=spec.port)
+        self.spec, self.run_plant = spec, run_plant
 
 
 class _Behaviour(CyclicBehaviour):  # type: ignore[misc]
-    async def tell(self, role: str, data: bytes, **kind: str) -> None:
+    async def publish(self, role: str, data: bytes, **kind: str) -> None:
         await self.send(Message(to=_name(role), body=_letters(data), metadata=kind))
 
-    async def newest(self) -> Any:
-        """Wait for the newest state, letting goals pass; None if nothing comes."""
+    async def latest_state(self) -> Any:
+        """Wait for the newest state, ignoring goals; None if there is none in time."""
         found = None
         while found is None or self.mailbox_size():
-            came = await self.receive(timeout=_PATIENCE)
-            if came is None:
+            incoming = await self.receive(timeout=_TIMEOUT)
+            if incoming is None:
                 return None
-            found = found if came.get_metadata("kind") == GOAL else came
+            found = found if incoming.get_metadata("kind") == GOAL else incoming
         return found
 
 
 class _Answer(_Behaviour):
     async def run(self) -> None:
-        state = await self.newest()
+        state = await self.latest_state()
         if state is not None:
-            role = self.agent.part.role
-            await self.tell("plant", answer(role, _bytes(state.body)))
+            role = self.agent.spec.role
+            await self.publish("plant", answer(role, _bytes(state.body)))
 
 
-class _Mover(_Role):
+class _AgentRole(_Role):
     async def setup(self) -> None:
         self.add_behaviour(_Answer())
 
 
-class _TellGoal(_Behaviour):
+class _PublishGoal(_Behaviour):
     async def run(self) -> None:
-        state = await self.newest()
+        state = await self.latest_state()
         if state is not None:
             tick = tick_of(_bytes(state.body))
             for role in AGENTS:
-                await self.tell(role, message(tick, GOAL_SIZE), kind=GOAL)
+                await self.publish(role, message(tick, GOAL_SIZE), kind=GOAL)
             await asyncio.sleep(GOAL_EVERY)
 
 
 class _Goal(_Role):
     async def setup(self) -> None:
-        self.add_behaviour(_TellGoal())
+        self.add_behaviour(_PublishGoal())
 
 
-class _Hear(_Behaviour):
+class _Receive(_Behaviour):
     async def run(self) -> None:
-        came = await self.receive(timeout=_PATIENCE)
-        if came is not None:
+        incoming = await self.receive(timeout=_TIMEOUT)
+        if incoming is not None:
             arrived = time.monotonic()
-            self.agent.came.append((self.agent.roles[came.sender.node], arrived, came.body))
+            self.agent.arrivals.append(
+                (self.agent.roles[incoming.sender.node], arrived, incoming.body)
+            )
 
 
-class _Tell(_Behaviour):
+class _Publish(_Behaviour):
     async def run(self) -> None:
         state = message(await self.agent.due.get(), sum(STATES.values()))
         for role in ROLES[1:]:
-            await self.tell(role, state)
+            await self.publish(role, state)
 
 
 class _Plant(_Role):
-    """Beats in a thread of its own, for it must not wait for messages, nor they for it."""
+    """The plant; its clock runs in its own thread, independently of the messages."""
 
     async def setup(self) -> None:
-        self.came: deque[tuple[str, float, str]] = deque()
+        self.arrivals: deque[tuple[str, float, str]] = deque()
         self.due: asyncio.Queue[int] = asyncio.Queue()
         self.roles = {role.replace("/", "-"): role for role in AGENTS}
-        self.add_behaviour(_Hear())
-        self.add_behaviour(_Tell(), Template(to="nobody"))  # without, it would get all messages
+        self.add_behaviour(_Receive())
+        self.add_behaviour(_Publish(), Template(to="nobody"))  # it receives no messages
         loop = asyncio.get_running_loop()
 
-        def tell(tick: int) -> None:
+        def publish(tick: int) -> None:
             loop.call_soon_threadsafe(self.due.put_nowait, tick)
 
-        def heard() -> Iterator[tuple[str, float, bytes]]:
-            for _ in range(len(self.came)):
-                role, arrived, letters = self.came.popleft()
+        def received() -> Iterator[tuple[str, float, bytes]]:
+            for _ in range(len(self.arrivals)):
+                role, arrived, letters = self.arrivals.popleft()
                 yield role, arrived, _bytes(letters)
 
-        self.beating = asyncio.create_task(asyncio.to_thread(self.be_plant, self.part, tell, heard))
+        self.clock = asyncio.create_task(
+            asyncio.to_thread(self.run_plant, self.spec, publish, received)
+        )

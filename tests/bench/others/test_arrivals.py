@@ -6,7 +6,7 @@ import pytest
 
 from bench.echo.workload import AGENTS
 from bench.others.arrivals import Gap, gap, read_arrivals, worst
-from bench.others.kills import judged
+from bench.others.kills import impact_of
 
 BEATS = [0.0, 1.0, 2.0, 3.0, 4.0]
 
@@ -36,11 +36,11 @@ def test_a_gap_without_an_end_is_the_worst() -> None:
 def test_a_blow_is_judged_by_whom_it_hit_and_by_the_others() -> None:
     arrivals = {role: list(BEATS) for role in AGENTS}
     arrivals["joint/2"] = [0.0, 1.0]
-    struck = judged("an agent", "joint/2", arrivals, 1.5, 3.5)
-    assert struck.gap == Gap(2.5, False)
-    assert struck.others == Gap(1.0, True)
-    assert struck.back == len(AGENTS) - 1
-    everybody = judged("the server", None, arrivals, 1.5, 3.5)
+    killed = impact_of("an agent", "joint/2", arrivals, 1.5, 3.5)
+    assert killed.gap == Gap(2.5, False)
+    assert killed.others == Gap(1.0, True)
+    assert killed.back == len(AGENTS) - 1
+    everybody = impact_of("the server", None, arrivals, 1.5, 3.5)
     assert everybody.gap == Gap(2.5, False)
 
 

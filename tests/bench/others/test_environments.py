@@ -1,4 +1,4 @@
-"""Environments of other systems: made once, and told in one line if they cannot be."""
+"""Environments of other systems: made once, with an error of one line if they cannot be made."""
 
 import json
 import sys
@@ -10,7 +10,7 @@ from bench.bench import BenchError
 from bench.others.environments import cache, environment, run
 
 
-def test_what_cannot_be_had_is_told_in_one_line(tmp_path: Path) -> None:
+def test_what_cannot_be_installed_is_reported_in_one_line(tmp_path: Path) -> None:
     fails = "import sys; sys.exit('looked everywhere\\nno matching distribution')"
     with pytest.raises(BenchError, match=r"^thing-1 cannot be made: .*: no matching distribution$"):
         run(tmp_path / "thing-1", sys.executable, "-c", fails)
@@ -18,7 +18,7 @@ def test_what_cannot_be_had_is_told_in_one_line(tmp_path: Path) -> None:
         run(tmp_path / "thing-1", "/nowhere/python", "-m", "venv")
 
 
-def test_an_environment_that_is_there_is_used(tmp_path: Path) -> None:
+def test_an_existing_environment_is_used(tmp_path: Path) -> None:
     said: list[str] = []
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(

@@ -1,4 +1,4 @@
-"""The processes of a system: they meet, are measured, are killed, and none is left."""
+"""The processes of a system: they are measured and killed, and none is left."""
 
 import sys
 import time
@@ -9,27 +9,27 @@ import yaml
 
 from bench.bench import BenchError
 from bench.echo.workload import AGENTS, ROLES, STATES
-from bench.others.kills import strike
+from bench.others.kills import measure_kills
 from bench.others.processes import ProcessGroup, await_port, free_port
 from bench.others.systems import VICTIM, Kill, System, dataflow
 
 PYTHON = Path(sys.executable)
-SIDE = "tests.bench.others.datagram_side"
+ADAPTER = "tests.bench.others.datagram_adapter"
 
 
 class Datagrams(System):
     """Needs nothing but the standard library."""
 
-    name, side, requirements = "datagrams", SIDE, ()
+    name, adapter, requirements = "datagrams", ADAPTER, ()
 
     def start(self, processes: ProcessGroup) -> None:
         for role in ROLES:
-            processes.play(role)
+            processes.start_role(role)
 
-    def blows(self) -> tuple[Kill, ...]:
+    def kills(self) -> tuple[Kill, ...]:
         def agent(processes: ProcessGroup) -> None:
             processes.kill(VICTIM)
-            processes.play(VICTIM)
+            processes.start_role(VICTIM)
 
         def goal(processes: ProcessGroup) -> None:
             processes.kill("goal")
@@ -45,9 +45,9 @@ def wait_until_gone(pids: list[int]) -> None:
         time.sleep(0.05)
 
 
-def test_all_processes_of_a_system_are_measured_weighed_and_ended() -> None:
+def test_all_processes_of_a_system_are_measured_and_ended() -> None:
     system = Datagrams()
-    with ProcessGroup(PYTHON, SIDE, rate=50, seconds=1.0) as processes:
+    with ProcessGroup(PYTHON, ADAPTER, rate=50, seconds=1.0) as processes:
         system.start(processes)
         measured = processes.measured()
         pids = list(processes.pids.values())
@@ -62,37 +62,37 @@ def test_all_processes_of_a_system_are_measured_weighed_and_ended() -> None:
 
 
 def test_a_killed_agent_leaves_a_gap_in_its_own_commands_only() -> None:
-    agent, goal = strike(Datagrams(), PYTHON)
+    agent, goal = measure_kills(Datagrams(), PYTHON)
     assert agent.what == "an agent"
     assert agent.gap.ended
     assert agent.gap.seconds > 0.06  # a Python does not start faster
     assert agent.back == goal.back == len(AGENTS)
 
 
-def test_a_process_that_does_not_live_is_named_with_what_it_said() -> None:
+def test_a_process_that_ends_is_named_with_its_last_output() -> None:
     with ProcessGroup(PYTHON, "bench.others.adapters.nowhere", rate=100, seconds=1.0) as processes:
-        processes.play("plant")
-        processes.play("platform")
+        processes.start_role("plant")
+        processes.start_role("platform")
         with pytest.raises(BenchError, match=r"ended with 1, and said: .*nowhere"):
             processes.measured()
 
 
-def test_a_command_that_never_succeeds_is_told_with_what_it_said() -> None:
+def test_a_command_that_never_succeeds_is_reported_with_its_output() -> None:
     with (
-        ProcessGroup(PYTHON, SIDE, rate=100, seconds=None) as processes,
+        ProcessGroup(PYTHON, ADAPTER, rate=100, seconds=None) as processes,
         pytest.raises(BenchError, match="No such file"),
     ):
-        processes.call(["ls", "/nowhere/at/all"], patience=0.3)
+        processes.call_until_success(["ls", "/nowhere/at/all"], timeout=0.3)
 
 
-def test_a_port_that_nobody_listens_on_is_told() -> None:
+def test_a_port_without_a_listener_is_reported() -> None:
     port = free_port()
     with pytest.raises(BenchError, match=f"port {port}"):
-        await_port(port, patience=0.1)
+        await_port(port, timeout=0.1)
 
 
 def test_in_the_dataflow_every_input_is_an_output_of_another_node() -> None:
-    with ProcessGroup(PYTHON, SIDE, rate=100, seconds=1.0) as processes:
+    with ProcessGroup(PYTHON, ADAPTER, rate=100, seconds=1.0) as processes:
         nodes = {node["id"]: node for node in yaml.safe_load(dataflow(processes))["nodes"]}
     assert len(nodes) == len(ROLES)
     for node in nodes.values():
@@ -109,6 +109,6 @@ def test_a_system_runs_in_its_own_environment_whichever_one_is_active(
 ) -> None:
     monkeypatch.setenv("VIRTUAL_ENV", "/somewhere/else")
     python = tmp_path / "bin" / "python"
-    with ProcessGroup(python, SIDE, rate=100, seconds=1.0) as processes:
+    with ProcessGroup(python, ADAPTER, rate=100, seconds=1.0) as processes:
         assert processes.env["VIRTUAL_ENV"] == str(tmp_path)
         assert processes.env["PATH"].startswith(f"{python.parent}:")

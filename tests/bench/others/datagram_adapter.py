@@ -1,4 +1,4 @@
-"""A side of the comparison that needs the standard library only: datagrams between files."""
+"""An adapter that needs only the standard library: datagrams between files."""
 
 import os
 import socket
@@ -11,26 +11,26 @@ from bench.echo.workload import (
     JOINT_STATES,
     ROLES,
     STATES,
-    BePlant,
-    Part,
-    be_agent,
-    be_goal,
+    EchoSpec,
+    RunPlant,
     message,
+    run_agent,
+    run_goal_source,
 )
 
 
-def main(part: Part, be_plant: BePlant) -> None:
+def main(spec: EchoSpec, run_plant: RunPlant) -> None:
     here = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
     here.bind(f"{os.getpid()}.new")
-    os.rename(f"{os.getpid()}.new", _place(part.role))  # also if one that was killed had it
+    os.rename(f"{os.getpid()}.new", _address(spec.role))  # also if a killed process had that name
 
     def send(role: str, kind: str, data: bytes) -> None:
         try:
-            here.sendto(kind.encode() + b" " + data, socket.MSG_DONTWAIT, _place(role))
+            here.sendto(kind.encode() + b" " + data, socket.MSG_DONTWAIT, _address(role))
         except OSError:
-            return  # it is not there, or has not looked for too long
+            return  # not there yet, or its buffer is full
 
-    def newest() -> bytes:
+    def latest_state() -> bytes:
         while True:
             kind, _, data = here.recv(1024).partition(b" ")
             if kind.decode() == JOINT_STATES:
@@ -40,12 +40,12 @@ def main(part: Part, be_plant: BePlant) -> None:
         for role in AGENTS:
             send(role, GOAL, data)
 
-    def tell(tick: int) -> None:
+    def publish(tick: int) -> None:
         for kind, size in STATES.items():
             for role in ROLES[1:]:
                 send(role, kind, message(tick, size))
 
-    def heard() -> Iterator[tuple[str, float, bytes]]:
+    def received() -> Iterator[tuple[str, float, bytes]]:
         while True:
             try:
                 kind, _, data = here.recv(1024, socket.MSG_DONTWAIT).partition(b" ")
@@ -53,13 +53,13 @@ def main(part: Part, be_plant: BePlant) -> None:
                 return
             yield kind.decode(), time.monotonic(), data
 
-    if part.role == "plant":
-        be_plant(part, tell, heard)
-    elif part.role == GOAL:
-        be_goal(newest, tell_goal)
+    if spec.role == "plant":
+        run_plant(spec, publish, received)
+    elif spec.role == GOAL:
+        run_goal_source(latest_state, tell_goal)
     else:
-        be_agent(part, newest, lambda data: send("plant", part.role, data))
+        run_agent(spec, latest_state, lambda data: send("plant", spec.role, data))
 
 
-def _place(role: str) -> str:
+def _address(role: str) -> str:
     return f"{role.replace('/', '-')}.socket"
