@@ -55,7 +55,6 @@ class PlantNode(Node):
         self._faults: deque[Fault] = deque()
         self._commands = process.bus.sample_queue(*EXPRESSIONS)
         process.bus.answer(topics.FAULT, self._on_fault)
-        process.life = None  # it is the plant, so it waits for none
         self.state = "waits for the agents"
 
     def answers(self) -> Mapping[str, Spread]:

@@ -9,7 +9,7 @@ import sys
 import threading
 import time
 import traceback
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -18,7 +18,6 @@ from plant.robot import Robot
 from runtime import VERSION
 from runtime.config.deployment import Deployment, ProcessSpec
 from runtime.config.tree import ConfigError
-from runtime.processes.joining import find_run, join
 from runtime.processes.lifetime import FAILED, BusClock, Lifetime, PlantClock, Shutdown
 from runtime.processes.log_writer import LogWriter, new_run_folder
 from runtime.processes.meters import Rate
@@ -26,14 +25,16 @@ from runtime.processes.node import Context, Node
 from runtime.processes.scheduling import Overload, confine_realtime, set_normal, set_realtime
 from runtime.spawning.identity import start_line
 from runtime.wire import topics
-from runtime.wire.bus import BusError
-from runtime.wire.messages import Diag, stamped
-from runtime.wire.refusals import Refusals
+from runtime.wire.bus import Bus, BusError
+from runtime.wire.mesh import FIRST_COPY, SLOTS, Endpoints
+from runtime.wire.messages import Diag, stamped, unpack
+from runtime.wire.refusals import MessageError, Refusals
 from runtime.wire.zenoh_internals.connection_log import ConnectionLog
 from runtime.wire.zenoh_internals.linger import disable_linger
 
 _CHECK = 0.25  # [s] between two looks of the watchdog
 _REPORT = 4  # looks from one diag to the next
+_SEARCH = 0.6  # [s] in which the others have connected to a process that is new
 _LAST_RESORT = 3.0  # [s] after which a process whose bus does not close is ended by the system
 
 
@@ -59,7 +60,9 @@ class Process(Context):
         self.ending = Shutdown()
         self.refusals = Refusals(self._note_refused)
         self.t = 0.0
-        self.life: Lifetime | None = self._lifetime(PlantClock(time.monotonic()))
+        self.life: Lifetime | None = None
+        if self.role != topics.PLANT:  # which waits for none
+            self.life = self._lifetime(PlantClock(time.monotonic()))
         self._rate = 0.0
         self._scheduled = ""  # what `status` is to add
         self._n = 0
@@ -71,10 +74,10 @@ class Process(Context):
                 )
             self._realtime = self._set_scheduling()  # the threads of the bus inherit it
             self.bus = stack.enter_context(
-                join(deployment, member, random.SystemRandom().getrandbits(63))
+                _join(deployment, member, random.SystemRandom().getrandbits(63))
             )
             confine_realtime()
-            found = run or find_run(self.bus)
+            found = run or _find_run(self.bus)
             self.run = (found or new_run_folder(deployment.runs, deployment.robot)).absolute()
             self.log = LogWriter(self.run, self.role, deployment.log_megabytes)
             self._stack = stack.pop_all()
@@ -219,6 +222,49 @@ class Process(Context):
 
     def _note_refused(self, key: str, reason: str, detail: str) -> None:
         self.log.write(self.t, "refused", key=key, reason=reason, detail=detail)
+
+
+def _join(deployment: Deployment, member: ProcessSpec, incarnation: int) -> Bus:
+    """Return the bus as the process joins it in its slot; `BusError` if that is taken.
+
+    A copy takes the first free one of the slots for copies.
+    """
+    mesh, role = deployment.mesh, member.role
+    credentials = deployment.credentials(role)
+
+    def take(place: Endpoints) -> Bus:
+        return Bus(deployment.robot, role, place, incarnation, credentials)
+
+    if not member.copy:
+        return take(mesh.seat(deployment.slot(role)))
+    home = deployment.hosts[member.host].address
+    for slot in range(FIRST_COPY, SLOTS):
+        try:
+            return take(mesh.copy_seat(slot, home))
+        except BusError as error:
+            taken = error
+    raise taken
+
+
+def _find_run(bus: Bus) -> Path | None:
+    """Return the folder of the run that the other processes are in, if it is this user's here."""
+    until = time.monotonic() + _SEARCH
+    while time.monotonic() < until:
+        runs = {}
+        for answer in bus.ask(topics.EVERY_DIAG, timeout=_SEARCH):
+            with suppress(MessageError):
+                diag = unpack(Diag, answer.data)
+                runs[diag.role] = Path(diag.run)
+        if runs:
+            plants = [runs[topics.PLANT]] if topics.PLANT in runs else []
+            return next((run for run in [*plants, *runs.values()] if _is_ours(run)), None)
+        time.sleep(0.05)
+    return None
+
+
+def _is_ours(folder: Path) -> bool:
+    """Return whether it is a folder of this user: anyone may have named it on the bus."""
+    return folder.is_dir() and folder.stat().st_uid == os.geteuid()
 
 
 def _printable(text: str) -> str:

@@ -9,6 +9,8 @@ import pytest
 
 from runtime.processes.log_writer import LogError, LogWriter, new_run_folder, numbered_parts
 from runtime.results.logs import log_lines, read_log
+from runtime.wire import topics
+from runtime.wire.messages import Diag, Spread, pack
 from tests.runtime.conftest import ProcessGroup
 
 
@@ -167,3 +169,34 @@ def test_the_end_of_a_run_is_noticed_while_the_disk_hangs(processes: ProcessGrou
         assert code == 0, said
         assert "the run is over" in said
     os.close(nobody_reads)
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="to make a folder of another user takes root")
+def test_no_log_goes_to_a_folder_of_another_user_that_is_named_on_the_bus(
+    processes: ProcessGroup, tmp_path: Path
+) -> None:
+    foreign = tmp_path / "foreign"
+    foreign.mkdir()
+    os.chown(foreign, 65534, 65534)
+    bus = processes.visit()
+    lie = Diag(
+        t=0.0,
+        role="plant",
+        host="host",
+        pid=1,
+        state="runs",
+        rate=0.0,
+        work=Spread(0.0, 0.0, 0.0),
+        answers={},
+        refused={},
+        perception="none",
+        run=str(foreign),
+        deployment="x.yaml",
+        version="1",
+        clock=0,
+    )
+    bus.answer(topics.diag("plant"), lambda _: pack(lie))
+    processes.start("joint/2", more=("--set", f"runs={tmp_path / 'own'}"))
+    diag = processes.until(bus, "joint/2", lambda diag: bool(diag.run), "it says where it logs")
+    assert Path(diag.run).parent == tmp_path / "own"
+    assert not list(foreign.iterdir())
