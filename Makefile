@@ -1,4 +1,4 @@
-# The two commands of the README. Each makes what it needs in a virtual environment of its own.
+# The two commands of the README. Each installs what it needs in a virtual environment.
 PYTHON ?= python3
 VENV ?= .venv
 BIN = $(VENV)/bin
@@ -19,8 +19,8 @@ $(VENV)/bin/pip:
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "MSMA needs Python 3.11 or newer; this is %d.%d. Say which to use: make PYTHON=python3.11" % sys.version_info[:2])'
 	$(PYTHON) -m venv $(VENV)
 
-# What is installed in place is not compiled by pip, and some environments keep Python from doing so:
-# then every process would compile all that it imports anew, and take a quarter longer to start.
+# pip does not compile an editable installation, and some environments keep Python from doing so: then
+# every process would compile all its imports again, and take a quarter longer to start.
 COMPILE = $(BIN)/python -m compileall -q agents bench plant runtime studies
 
 $(VENV)/run: pyproject.toml $(VENV)/bin/pip

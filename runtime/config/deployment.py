@@ -196,7 +196,7 @@ class Deployment:
         return self.agent(role).build(self.description.robot, self.period, seed)
 
     def check(self, node: YamlNode, scope: Scope) -> None:
-        """Refuse a role given twice, more processes than ports, and chaos for nobody."""
+        """Refuse duplicate roles, more processes than ports, and chaos for unknown targets."""
         first: dict[str, YamlNode] = {}
         listed = [("agents", one.role, index) for index, one in enumerate(self.agents)]
         listed += [("nodes", one.role, index) for index, one in enumerate(self.nodes)]

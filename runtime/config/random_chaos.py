@@ -63,7 +63,7 @@ class RandomChaos:
 def fault(role: str, manner: str, at: float, lasting: float) -> tuple[ChaosEvent, ...]:
     """Return the events of one fault `at` a time, with a hang or downtime of `lasting`, both [s].
 
-    A restart of launcher or watcher is a kill: nobody starts them again.
+    A restart of launcher or watcher is a kill, since they are never started again.
     """
     if manner == "hang":
         return (ChaosEvent(at=at, hang=role, for_=lasting),)

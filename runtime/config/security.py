@@ -29,7 +29,7 @@ class KeyFolder:
 
     @classmethod
     def from_node(cls, node: YamlNode, scope: Scope) -> Self:
-        """Read a path that is relative to the file that says it."""
+        """Read a path that is relative to the file that names it."""
         text = Text(Pattern(".+", "a folder", cls.such_as)).read(node, scope)
         path = os.path.abspath(node.location.folder / os.path.expanduser(text))
         return cls(Path(path), node.location.source)
@@ -51,12 +51,7 @@ class SecuritySpec:
     def credentials(
         self, name: str, roles: Sequence[str], contract: Contract = STANDARD
     ) -> Credentials:
-        """Return the credentials of a process.
-
-        Args:
-            name: Its role, or `OPERATOR`.
-            roles: All roles of the deployment.
-            contract: The topics of the robot.
+        """Return the credentials of a role or of `OPERATOR`; `roles` are those of the robot.
 
         Raises:
             ConfigError: A file is missing or cannot be read; the message says how to create it.
