@@ -132,7 +132,7 @@ class AgentNode(Node):
         if wanted is not None and t - self._decided_at <= self._good:
             self._out.send(self._command(t, *wanted))
         if due and self._tells_first:
-            self._board.leave()
+            self._board.defer()
 
     def _think(self) -> None:
         self._decide(time.monotonic(), self._senses.t)

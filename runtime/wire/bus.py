@@ -273,7 +273,7 @@ def _replies(
     get: asks the question, given a handler
     """
     replies: SimpleQueue[zenoh.Reply | None] = SimpleQueue()
-    get(Callback(replies.put, drop=lambda: replies.put(None), indirect=False))
+    get(direct_callback(replies.put, drop=lambda: replies.put(None)))
     deadline = time.monotonic() + timeout + _LATER
     with suppress(Empty):
         while (reply := replies.get(timeout=max(deadline - time.monotonic(), 0))) is not None:

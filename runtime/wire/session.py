@@ -7,13 +7,13 @@ only after a lease that a process was killed, and an answer takes twice as much 
 """
 
 import json
-import os
 from typing import NamedTuple
 
 import zenoh
 
 from runtime.wire.mesh import Endpoints
 from runtime.wire.security import Credentials, access_list, encryption
+from runtime.wire.zenoh_internals.threads import provide_threads
 
 
 class _Patience(NamedTuple):
@@ -53,7 +53,7 @@ def config(
     Without a robot's name, keys are those of all robots, each below its robot's name. Without
     credentials, everybody may do everything.
     """
-    _provide_threads(place.elsewhere)
+    provide_threads(place.elsewhere)
     patience = _ACROSS if place.elsewhere else _AT_HOME
     protocol, encrypted, listed = "tcp", {}, {}
     if credentials is not None and robot is not None:
@@ -98,28 +98,3 @@ def _dials(protocol: str, place: Endpoints) -> list[str]:
         return [f"{protocol}/{there}" for there in place.routers]
     often = [f"{protocol}/{there}" for there in place.dials]
     return often + [f"{protocol}/{there}#retry_period_max_ms={_RARELY}" for there in place.rarely]
-
-
-_MANY_PEERS = "net: (max_blocking_threads: 1024)"
-"""Zenoh has a thread wait for each connection that it makes or closes. There are 50 by default, and
-once all wait for others to be free it stands still for good, as a robot's processes did from some
-sixty on. Those that are not needed are never made."""
-_ONE_THREAD = (
-    f"({_MANY_PEERS}, "
-    "app: (handover: net), acc: (handover: net), tx: (handover: net), rx: (handover: net))"
-)
-
-
-def _provide_threads(elsewhere: int) -> None:
-    """Let one thread do all of Zenoh's work, or let no cut cable hold up what comes from others.
-
-    By default it has five pools of threads that hand each message on to each other: with nine
-    processes a tick is 90 changes of threads, and half of that with one thread for all, in two
-    thirds of the processors' time. But closing a connection that leads nowhere keeps a receiving
-    thread busy for seconds: where other hosts may vanish, that takes two for each remote peer.
-    Zenoh reads this once, when a process opens its first session. What a user has set stays; what
-    was inherited from a process that had no remote peers does not count.
-    """
-    if os.environ.get("ZENOH_RUNTIME", _ONE_THREAD) == _ONE_THREAD:
-        many = f"({_MANY_PEERS}, rx: (worker_threads: {2 + 2 * elsewhere}))"
-        os.environ["ZENOH_RUNTIME"] = many if elsewhere else _ONE_THREAD

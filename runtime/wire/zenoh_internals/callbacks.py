@@ -10,23 +10,40 @@ import threading
 import time
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
+from typing import TypeVar
 
 import zenoh
 from zenoh.handlers import Callback
 
 from runtime.wire.samples import Sample, sample_of
+from runtime.wire.zenoh_internals.features import Internal, uses
 
-_SHORT = 0.005  # [s] that the receiving thread may be kept; in a hundred, others would be missed
-_IN_A_ROW = 3  # turns that are longer, after which they are made elsewhere: one is an accident
-_AT_ONCE = 16  # messages that wait for a turn elsewhere, at most
+_SHORT = 0.005  # [s] that one reaction may keep the receiving thread
+_BUDGET = 0.03  # [s] beyond that which reactions may take together
+_LEAK = 0.005  # of the time that passes, by which that is made up for: 0.2 s take 40 s
+_AT_ONCE = 16  # messages that wait for a reaction elsewhere, at most
 
 _thread = threading.local()
+T = TypeVar("T")
 
 
-def direct_callback(take: Callable[[zenoh.Sample], None]) -> "Callback[zenoh.Sample]":
-    """Return the handler that calls `take` with each sample in the thread that receives it."""
+def direct_callback(
+    take: Callable[[T], None], drop: Callable[[], None] | None = None
+) -> "Callback[T]":
+    """Return the handler that calls `take` with each sample in the thread that receives it.
 
-    def taken(sample: zenoh.Sample) -> None:
+    Where Zenoh cannot do that, it is called in a thread of Python's own.
+
+    Args:
+        take: Called with each sample or reply.
+        drop: Called when no more will come.
+    """
+    if not uses(Internal.DIRECT):
+        return Callback(take, drop=drop)
+    if not uses(Internal.GIL):
+        return Callback(take, drop=drop, indirect=False)
+
+    def taken(sample: T) -> None:
         if not hasattr(_thread, "kept"):
             # Python would make and drop all that it knows of a foreign thread with each message,
             # which takes 20 us; but it counts who asks for it, and this is never given back
@@ -34,7 +51,7 @@ def direct_callback(take: Callable[[zenoh.Sample], None]) -> "Callback[zenoh.Sam
             _thread.kept = True
         take(sample)
 
-    return Callback(taken, indirect=False)
+    return Callback(taken, drop=drop, indirect=False)
 
 
 class SampleQueue:
@@ -54,18 +71,39 @@ class SampleQueue:
             yield arrived, sample_of(sample)
 
 
+class TimeBudget:
+    """Whether reactions are short enough for the receiving thread, by the time they took lately.
+
+    A leaky bucket: what each reaction takes beyond `_SHORT` goes in, a small share of the time that
+    passes leaks out. Once it is over, reactions are made elsewhere until the bucket is empty. So an
+    agent that is slow now and then does not come back in between, and a process that was held up
+    once does.
+    """
+
+    def __init__(self, now: float) -> None:
+        self._level, self._at = 0.0, now
+        self.exceeded = True  # until the first short one
+
+    def add(self, began: float, ended: float) -> None:
+        """Count a reaction from `began` to `ended` [s]."""
+        leaked = max(self._level - _LEAK * (ended - self._at), 0.0)
+        self._level, self._at = leaked + max(ended - began - _SHORT, 0.0), ended
+        self.exceeded = self._level > (0.0 if self.exceeded else _BUDGET)
+
+
 class CallbackSubscriber:
     """Reacts to messages in the thread that receives them, as long as that is short.
 
-    If it takes long several times in a row, all further reactions are left to the thread that
-    called `run`, each to all messages that wait by then, and the bus is not held up.
+    While reactions take longer than the receiving thread can spare, they are left to the thread
+    that called `run`, each with all messages that wait by then. The receiving thread never waits.
 
-    read: takes a sample
-    react: called with what came, the oldest first, and with the time [s, monotonic]; never by two
-        threads at once
-    silence: if nothing comes for so long [s] it is called as well, with nothing; None: never
-    afterwards: called by the thread of `run` after a reaction that has asked for it by `leave`, and
-        beside the next ones: what a reaction sends goes only once it is over
+    Args:
+        read: Reads a sample.
+        react: Called with what came, the oldest first, and with the time [s, monotonic]; never by
+            two threads at once.
+        silence: If nothing comes for so long [s] it is called as well, with nothing; None: never.
+        afterwards: Called by the thread of `run` after a reaction that has asked for it by `defer`,
+            and beside the next ones: what a reaction publishes goes only once it is over.
     """
 
     def __init__(
@@ -76,53 +114,55 @@ class CallbackSubscriber:
         afterwards: Callable[[], None] = lambda: None,
     ) -> None:
         self._read, self._react, self._silence = read, react, silence
-        self._afterwards, self._left = afterwards, False
-        self._heard = False  # anything since it was looked whether there is silence
+        self._afterwards, self._deferred = afterwards, False
+        self._received = False  # anything since it was looked whether there is silence
         self._busy = threading.Lock()
         self._awake = threading.Event()
         self._waiting: deque[Sample] = deque(maxlen=_AT_ONCE)
-        self._leaves = True  # it to the thread of `run`, which has not begun yet
-        self._long = 0
+        self._budget = TimeBudget(time.monotonic())
         self._closed = False
         self._error: Exception | None = None
 
     def put(self, sample: zenoh.Sample) -> None:
         """Take a sample from the bus's thread."""
-        self._heard = True
-        if self._leaves:
+        self._received = True
+        elsewhere = self._budget.exceeded or self._waiting
+        if elsewhere or not self._busy.acquire(blocking=False):
             self._waiting.append(self._read(sample))
             self._awake.set()
             return
-        with self._busy:
-            began = time.monotonic()
-            try:
-                self._react((self._read(sample),), began)
-            except Exception as error:  # it is the one who called `run` that has to hear of it
-                self._error = error
-                self._awake.set()
-            self._long = self._long + 1 if time.monotonic() - began > _SHORT else 0
-            self._leaves = self._long >= _IN_A_ROW
+        try:
+            self._timed_reaction((self._read(sample),))
+        except Exception as error:  # it is the caller of `run` that has to know
+            self._error = error
+            self._awake.set()
+        finally:
+            self._busy.release()
+
+    def _timed_reaction(self, samples: Sequence[Sample]) -> None:
+        began = time.monotonic()
+        self._react(samples, began)
+        self._budget.add(began, time.monotonic())
 
     def run(self) -> None:
         """Let it react until the bus is closed; raises what a reaction raises."""
-        self._leaves = False
         while not self._closed:
-            silent = not self._awake.wait(self._silence) and not self._heard
-            self._heard = False
+            silent = not self._awake.wait(self._silence) and not self._received
+            self._received = False
             self._awake.clear()
             if self._error is not None:
                 raise self._error
             with self._busy:
                 waiting = [self._waiting.popleft() for _ in range(len(self._waiting))]
                 if waiting or silent:
-                    self._react(waiting, time.monotonic())
-            if self._left:
-                self._left = False
+                    self._timed_reaction(waiting)
+            if self._deferred:
+                self._deferred = False
                 self._afterwards()
 
-    def leave(self) -> None:
+    def defer(self) -> None:
         """Let the thread of `run` do what comes afterwards, once for all that ask until then."""
-        self._left = True
+        self._deferred = True
         self._awake.set()
 
     def close(self) -> None:

@@ -19,6 +19,7 @@ from typing import Self
 import zenoh
 
 from runtime.wire.refusals import Refusals
+from runtime.wire.zenoh_internals.features import Internal, uses
 
 REJECTED_CONNECTIONS = "(strangers)"
 """Stands, among the keys that refusals are counted by, for who could not connect."""
@@ -76,6 +77,9 @@ class ConnectionLog:
     """
 
     def __init__(self, refusals: Refusals, joined: Callable[[str, str], None]) -> None:
+        self._on = uses(Internal.LOG)
+        if not self._on:
+            return
         self._refusals, self._joined = refusals, joined
         self._all = "RUST_LOG" in os.environ  # somebody wants to read it
         self._rest = b""
@@ -97,6 +101,8 @@ class ConnectionLog:
 
     def look(self) -> None:
         """Count what was logged since the last look, and pass on what else was written."""
+        if not self._on:
+            return
         found: Counter[tuple[str, Rejection]] = Counter()
         details: dict[Rejection, str] = {}
         others = []
@@ -130,6 +136,8 @@ class ConnectionLog:
 
     def close(self) -> None:
         """Look for the last time, and put the standard output back."""
+        if not self._on:
+            return
         with suppress(OSError):
             sys.stdout.close()
         sys.stdout = self._stdout

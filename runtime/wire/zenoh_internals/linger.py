@@ -5,6 +5,8 @@ import socket
 import struct
 from contextlib import suppress
 
+from runtime.wire.zenoh_internals.features import Internal, uses
+
 _FOLDER = "/dev/fd"
 _OFF = struct.pack("ii", 0, 0)
 
@@ -19,6 +21,8 @@ def disable_linger() -> int:
 
     To be called now and then, for Zenoh connects when it likes. It takes 0.1 ms.
     """
+    if not uses(Internal.LINGER):
+        return 0
     lingered = 0
     for name in os.listdir(_FOLDER):
         with suppress(OSError):  # it is no connection, or closed by now

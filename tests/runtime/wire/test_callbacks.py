@@ -8,13 +8,18 @@ from contextlib import ExitStack
 from typing import NamedTuple
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from runtime.wire import topics
 from runtime.wire.bus import Bus
 from runtime.wire.mesh import on_loopback
 from runtime.wire.messages import JointCommand
 from runtime.wire.samples import Sample
-from runtime.wire.zenoh_internals.callbacks import CallbackSubscriber
+from runtime.wire.zenoh_internals.callbacks import _BUDGET as BUDGET
+from runtime.wire.zenoh_internals.callbacks import _LEAK as LEAK
+from runtime.wire.zenoh_internals.callbacks import _SHORT as SHORT
+from runtime.wire.zenoh_internals.callbacks import CallbackSubscriber, TimeBudget
 from tests.runtime.conftest import ProcessGroup, wait_for
 
 KEY = topics.joint_command(1)
@@ -81,6 +86,48 @@ def test_reactions_that_take_long_are_left_to_the_loop_and_each_takes_all_that_w
     assert not thread.is_alive()
 
 
+def test_reactions_that_are_slow_now_and_then_are_left_to_the_loop_for_good(pair: Pair) -> None:
+    threads: list[int] = []
+
+    def react(_: Sequence[Sample], __: float) -> None:
+        threads.append(threading.get_ident())
+        time.sleep((0.02, 0.02, 0.0)[len(threads) % 3])  # what it does, and not a wait
+
+    thread = begin(pair.there.on_sample(KEY, react))
+    pair.sends_until(lambda: len(threads) >= 60, "60 reactions")
+    assert set(threads[30:]) == {thread.ident}
+    pair.there.close()
+    thread.join(5.0)
+    assert not thread.is_alive()
+
+
+def spent(*took: float, period: float = 0.06) -> list[bool]:
+    """Return whether the budget is exceeded after each reaction that takes so long [s]."""
+    budget, exceeded = TimeBudget(0.0), []
+    for k, each in enumerate(took):
+        budget.add(k * period, k * period + each)
+        exceeded.append(budget.exceeded)
+    return exceeded
+
+
+def test_short_reactions_keep_the_budget_once_one_was_seen() -> None:
+    assert spent(*[0.004] * 100) == [False] * 100
+    assert spent(0.2)[0], "nor does a slow one ever get to the receiving thread"
+
+
+def test_the_budget_forgives_one_hiccup_and_not_several() -> None:
+    assert not any(spent(0.0, 0.03, *[0.0] * 20))
+    assert spent(0.0, *[0.02, 0.02, 0.0] * 2)[-1]
+    assert not spent(0.0, *[0.05] * 3, *[0.0] * 1000)[-1], "it comes back in the end"
+
+
+@given(st.lists(st.floats(0.0, 0.3), max_size=200))
+def test_the_receiving_thread_is_never_kept_for_longer_than_the_budget(took: list[float]) -> None:
+    elsewhere = [True, *spent(*took, period=0.3)]
+    kept = sum(max(t - SHORT, 0.0) for t, out in zip(took, elsewhere, strict=False) if not out)
+    assert kept <= BUDGET + max(took, default=0.0) + LEAK * 0.3 * len(took) + 1e-9
+
+
 def test_what_a_reaction_raises_reaches_the_loop(pair: Pair) -> None:
     def react(_: Sequence[Sample], __: float) -> None:
         raise ValueError("of its own")
@@ -110,7 +157,7 @@ def test_what_comes_afterwards_is_the_loop_s_and_nothing_waits_for_it(pair: Pair
 
     def react(_: Sequence[Sample], __: float) -> None:
         back.send(JointCommand(1.0, 0.5))
-        on_sample.leave()
+        on_sample.defer()
 
     def afterwards() -> None:
         threads.append(threading.get_ident())
