@@ -1,5 +1,6 @@
 """The README stays true: every command and every piece of code in it is run."""
 
+import json
 import os
 import re
 import shlex
@@ -113,15 +114,20 @@ def test_a_running_robot_is_controlled_from_another_terminal(place, robot):
         launcher.wait(DEADLINE)
 
 
-def test_the_agent_of_ones_own_can_be_deployed(place):
-    (code,), (entry,) = blocks("python"), blocks("yaml")
-    (place / "mine.py").write_text(code)
+def test_the_agent_and_the_node_of_ones_own_can_be_deployed(place):
+    (agent, node), (agents, nodes) = blocks("python"), blocks("yaml")
+    (place / "mine.py").write_text(agent)
+    (place / "mine_too.py").write_text(node)
     deployment = (place / "deploy" / "arph.yaml").read_text()
     ours = "  - {role: joint/1, class: agents.joint:JointAgent}"
     assert ours in deployment
-    (place / "mine.yaml").write_text(deployment.replace(ours, entry.partition("agents:\n")[2]))
+    text = deployment.replace(ours, agents.partition("agents:\n")[2])
+    (place / "mine.yaml").write_text(f"{text}\n{nodes}")
     done = run("msma-launch mine.yaml --speed 4", place)
     assert done.returncode == 0, done.stdout + done.stderr
+    (log,) = place.glob("runs/*/odometer.jsonl")
+    end = json.loads(log.read_text().splitlines()[-1])
+    assert (end["event"], end["code"]) == ("end", 0)
 
 
 def test_what_it_links_to_is_there():
