@@ -1,4 +1,4 @@
-"""Run one process of a robot in this terminal: an agent, the goal source, the plant or a node."""
+"""Run one process of a robot in this terminal, such as an agent or the plant."""
 
 import argparse
 from pathlib import Path

@@ -58,6 +58,17 @@ def test_help_lists_the_verbs(
     )
 
 
+def test_the_help_has_a_short_sentence_for_each_command(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    main(["--help"])
+    lines = [line for line in capsys.readouterr().out.splitlines() if line.startswith("  ")]
+    assert len(lines) > 12
+    for line in lines:
+        assert line.endswith("."), line
+        assert len(line) <= 100, line
+
+
 VERB = '''"""Return a code."""
 def add_arguments(parser):
     parser.add_argument("what")
