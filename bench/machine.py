@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from bench.bench import BenchError
-from runtime.watching.discovery import is_taken
+from runtime.spawning.ports import is_taken
 from runtime.wire.mesh import ALL_BASES, SLOTS
 
 _LIBRARIES = ("eclipse-zenoh", "numpy", "msgpack")

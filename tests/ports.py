@@ -3,7 +3,7 @@
 import random
 import socket
 
-from runtime.watching.discovery import is_taken
+from runtime.spawning.ports import is_taken
 from runtime.wire.mesh import ALL_BASES, SLOTS
 
 

@@ -23,6 +23,7 @@ from runtime.results.evaluation import evaluate
 from runtime.results.logs import log_lines
 from runtime.results.run_log import RunLogError, read_run_log
 from runtime.spawning.identity import ProcessId, processes_in
+from runtime.spawning.registry import forget
 from runtime.spawning.tasks import spawn
 from runtime.tls.verification import verify_all
 from runtime.watching.table import distance
@@ -92,7 +93,7 @@ def draw(deployment: Deployment, seed: int) -> Deployment:
 def run_once(deployment: Deployment, seed: int) -> CampaignRun:
     """Launch one run, evaluate its logs, and make sure that all its processes have ended."""
     drawn = draw(deployment, seed)
-    folder = prepare(drawn)
+    drawn, folder = prepare(drawn)
     began = time.monotonic()
     assert drawn.duration is not None
     with _launched(drawn, folder) as launcher:
@@ -102,6 +103,7 @@ def run_once(deployment: Deployment, seed: int) -> CampaignRun:
             time.sleep(_POLL_PERIOD)
         for process in remaining:
             process.send(signal.SIGKILL)
+    forget(drawn.robot, folder)
     reason = f"{len(remaining)} processes did not end and were killed" if remaining else ""
     if not reason and launcher.returncode == 1:
         output = (folder / "launcher.out").read_text(encoding="utf-8", errors="replace")

@@ -21,7 +21,7 @@ from runtime.config.specs import AgentSpec, Description, GoalSpec, NodeSpec, Pla
 from runtime.config.tree import ConfigError, YamlNode, read_file
 from runtime.errors import valid_are
 from runtime.processes.log_writer import LOG_MEGABYTES
-from runtime.wire.mesh import FIRST_COPY, SLOTS, Mesh, port_base
+from runtime.wire.mesh import FIRST_COPY, LOOPBACK, SLOTS, Mesh, port_base
 from runtime.wire.security import Credentials
 from runtime.wire.topics import Contract, ContractError, Topic, file_name
 
@@ -57,7 +57,8 @@ class Deployment:
         seed: Seed of everything random.
         speed: Plant time per real time.
         patience: Processes end after this time without a message from the plant [s].
-        port: The first of the robot's 128 ports; by default it follows from its name.
+        port: The first of the robot's 128 ports; by default it follows from its name, or
+            is the next block that is free.
         scheduling: Priority of the processes: `normal`, `realtime` (fails where the system does not
             grant it), or `auto` (real-time where it is granted).
         runs: Folder of the runs' folders.
@@ -112,6 +113,19 @@ class Deployment:
     def chaos_targets(self) -> tuple[str, ...]:
         """The targets of random faults: all processes but the plant."""
         return (*self.roles[1:], LAUNCHER, WATCHER)
+
+    @property
+    def all_here(self) -> bool:
+        """Whether all of it runs on this machine, and no other can reach it."""
+        return self.mesh.addresses == (LOOPBACK,) and not self.routers
+
+    @property
+    def has_usual_ports(self) -> bool:
+        """Whether its ports follow from its name, and no other host has to know them.
+
+        Such a robot takes the next free ports if another robot has the usual ones.
+        """
+        return self.all_here and self.port == port_base(self.robot)
 
     def slot(self, role: str) -> int:
         """Return the index of a role among the robot's ports, or raise `ConfigError`."""

@@ -10,7 +10,8 @@ from typing import NamedTuple
 from runtime import VERSION
 from runtime.config.deployment import Deployment
 from runtime.doctor.machine import Finding, Grade
-from runtime.watching.discovery import Target, is_taken, robots_here
+from runtime.spawning.ports import is_taken
+from runtime.watching.discovery import Target, robots_here
 from runtime.wire import topics
 from runtime.wire.bus import Bus
 from runtime.wire.mesh import SLOTS, Address

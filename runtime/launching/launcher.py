@@ -17,9 +17,10 @@ from runtime.config.chaos import ChaosEvent
 from runtime.config.deployment import Deployment
 from runtime.errors import RunError
 from runtime.processes.lifetime import Lifetime, Shutdown
-from runtime.processes.log_writer import LogWriter, new_run_folder
+from runtime.processes.log_writer import LogWriter
 from runtime.spawning.escalation import ALL_MEANS, FORCE, Escalation, Means, end_all
 from runtime.spawning.local import LocalProcesses, ProcessExit, ProcessGroup
+from runtime.spawning.registry import RegisteredRun, begin_run, forget, register
 from runtime.tls.verification import verify_all
 from runtime.watching.watcher import View, Watcher
 from runtime.wire.bus import Bus
@@ -65,22 +66,21 @@ class RunOutcome(NamedTuple):
 
 def prepare(
     deployment: Deployment, network: Network | None = None, host: str | None = None
-) -> Path:
-    """Make the folder of a run, with the deployment as resolved in it, and return it.
+) -> tuple[Deployment, Path]:
+    """Make the folder of a run, and return it with the deployment as resolved, also in it.
 
-    `host` is whose share of it is run, by default all.
+    Args:
+        deployment: What is to run.
+        network: What can carry out chaos between hosts.
+        host: The host whose share of it is run, by default all.
 
-    Raises `ConfigError` for chaos that nothing here can carry out, and for keys that are not good.
+    Raises:
+        ConfigError: Nothing here can carry out the chaos, or keys are not good.
+        RunError: The folder cannot be written.
     """
     check_means(deployment, network)
     verify_all(deployment, host)
-    try:
-        run = new_run_folder(deployment.runs, deployment.robot).absolute()
-        (run / "deployment.yaml").write_text(deployment.dump(), encoding="utf-8")
-    except OSError as error:
-        why = error.strerror or error
-        raise RunError(f"the folder of the run cannot be written: {why}") from None
-    return run
+    return begin_run(deployment)
 
 
 class Launcher:
@@ -123,7 +123,9 @@ class Launcher:
         Whatever happens, no process that was started is left when this returns.
         """
         self._ending.catch_signals()
+        register(RegisteredRun.of(self._deployment, self._run))
         with ExitStack() as cleanup:  # goes through all steps, also when one raises
+            cleanup.callback(forget, self._deployment.robot, self._run)
             cleanup.callback(self._children.tidy)
             cleanup.callback(self._journal.close)
             cleanup.callback(self._end, FORCE)

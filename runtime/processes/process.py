@@ -9,7 +9,7 @@ import sys
 import threading
 import time
 import traceback
-from contextlib import ExitStack, suppress
+from contextlib import ExitStack
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -19,7 +19,7 @@ from runtime import VERSION
 from runtime.config.deployment import Deployment, ProcessSpec
 from runtime.config.tree import ConfigError
 from runtime.processes.lifetime import FAILED, BusClock, Lifetime, PlantClock, Shutdown
-from runtime.processes.log_writer import LogWriter, new_run_folder
+from runtime.processes.log_writer import LogWriter
 from runtime.processes.meters import Rate
 from runtime.processes.node import Context, Node
 from runtime.processes.scheduling import Overload, confine_realtime, set_normal, set_realtime
@@ -27,14 +27,13 @@ from runtime.spawning.identity import start_line
 from runtime.wire import topics
 from runtime.wire.bus import Bus, BusError
 from runtime.wire.mesh import FIRST_COPY, SLOTS, Endpoints
-from runtime.wire.messages import Diag, stamped, unpack
-from runtime.wire.refusals import MessageError, Refusals
+from runtime.wire.messages import Diag, stamped
+from runtime.wire.refusals import Refusals
 from runtime.wire.zenoh_internals.connection_log import ConnectionLog
 from runtime.wire.zenoh_internals.linger import disable_linger
 
 _CHECK = 0.25  # [s] between two looks of the watchdog
 _REPORT = 4  # looks from one diag to the next
-_SEARCH = 0.6  # [s] in which the others have connected to a process that is new
 _LAST_RESORT = 3.0  # [s] after which a process whose bus does not close is ended by the system
 
 
@@ -52,10 +51,11 @@ class Process(Context):
         deployment: Deployment,
         member: ProcessSpec,
         file: Path,
-        run: Path | None = None,
+        run: Path,
     ) -> None:
         sys.setswitchinterval(0.0001)  # [s], or a busy thread makes the loop wait 5 ms
-        self.deployment, self.role, self.file = deployment, member.role, file.absolute()
+        self.deployment, self.role = deployment, member.role
+        self.file, self.run = file.absolute(), run.absolute()
         self._bus_clock: BusClock | None = None
         self.ending = Shutdown()
         self.refusals = Refusals(self._note_refused)
@@ -77,8 +77,6 @@ class Process(Context):
                 _join(deployment, member, random.SystemRandom().getrandbits(63))
             )
             confine_realtime()
-            found = run or _find_run(self.bus)
-            self.run = (found or new_run_folder(deployment.runs, deployment.robot)).absolute()
             self.log = LogWriter(self.run, self.role, deployment.log_megabytes)
             self._stack = stack.pop_all()
 
@@ -244,27 +242,6 @@ def _join(deployment: Deployment, member: ProcessSpec, incarnation: int) -> Bus:
         except BusError as error:
             taken = error
     raise taken
-
-
-def _find_run(bus: Bus) -> Path | None:
-    """Return the folder of the run that the other processes are in, if it is this user's here."""
-    until = time.monotonic() + _SEARCH
-    while time.monotonic() < until:
-        runs = {}
-        for answer in bus.ask(topics.EVERY_DIAG, timeout=_SEARCH):
-            with suppress(MessageError):
-                diag = unpack(Diag, answer.data)
-                runs[diag.role] = Path(diag.run)
-        if runs:
-            plants = [runs[topics.PLANT]] if topics.PLANT in runs else []
-            return next((run for run in [*plants, *runs.values()] if _is_ours(run)), None)
-        time.sleep(0.05)
-    return None
-
-
-def _is_ours(folder: Path) -> bool:
-    """Return whether it is a folder of this user: anyone may have named it on the bus."""
-    return folder.is_dir() and folder.stat().st_uid == os.geteuid()
 
 
 def _printable(text: str) -> str:

@@ -30,15 +30,14 @@ def preload(role: str | None = None) -> None:
             import_module(module)
 
 
-def live(deployment: Deployment, member: ProcessSpec, file: Path, run: Path | None = None) -> int:
+def live(deployment: Deployment, member: ProcessSpec, file: Path, run: Path) -> int:
     """Be that process until its end.
 
     Args:
         deployment: What the process is a part of.
         member: Which process.
         file: Where the deployment was read from.
-        run: The folder of the log; by default that of the processes that run already, or else a
-            new one.
+        run: The folder of the run, for the log.
 
     Returns:
         The exit code.

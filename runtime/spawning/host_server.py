@@ -24,6 +24,7 @@ from plant.errors import MsmaError
 from runtime.config.deployment import ProcessSpec, load
 from runtime.spawning.escalation import FORCE, Escalation, end_all
 from runtime.spawning.local import LocalProcesses, ProcessExit
+from runtime.spawning.registry import RegisteredRun, forget, register
 from runtime.tls.key_files import KEYS, write_files
 
 _TURN = 0.02  # [s] between two looks at the processes
@@ -40,7 +41,7 @@ def serve(*, stays: bool) -> int:
     try:
         return _serve(share, stays)
     finally:
-        share.forget_keys()
+        share.forget()
 
 
 def _serve(share: "_HostServer", stays: bool) -> int:
@@ -72,6 +73,7 @@ class _HostServer:
         self.processes: LocalProcesses | None = None
         self.ended = False
         self._run = Path()
+        self._robot = ""
         self._own_folder = False
         self._number = 0  # of the request that is carried out
 
@@ -99,9 +101,10 @@ class _HostServer:
             end_all(self.processes, escalation, ended=self._say_ended)
         self.ended = True
 
-    def forget_keys(self) -> None:
-        """Remove the keys that came from elsewhere."""
+    def forget(self) -> None:
+        """Remove the keys that came from elsewhere, and what was noted of the run."""
         if self._own_folder:
+            forget(self._robot, self._run)
             shutil.rmtree(self._run / KEYS, ignore_errors=True)
 
     def _begin(
@@ -121,7 +124,9 @@ class _HostServer:
             file = self._run / "deployment.yaml"
             file.write_text(yaml.safe_dump(plain, sort_keys=False), encoding="utf-8")
             self._take_keys(keys or {})
-            load(file)
+            loaded = load(file)
+            self._robot = loaded.robot
+            register(RegisteredRun.of(loaded, self._run))
         self.processes = LocalProcesses(self._run)
         self._answer("began")
 
@@ -156,7 +161,7 @@ class _HostServer:
         """Send what was written, and leave nothing."""
         assert self.processes is not None
         self.processes.tidy()
-        self.forget_keys()
+        self.forget()
         for path in sorted(self._run.iterdir()):
             with path.open("rb") as stream:
                 while data := stream.read(_CHUNK):

@@ -8,6 +8,7 @@ from runtime.config.options import add_deployment_options, load_from
 from runtime.config.tree import ConfigError
 from runtime.errors import valid_are
 from runtime.processes.roles import live
+from runtime.spawning.registry import forget, join_run
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -40,4 +41,8 @@ def run(args: argparse.Namespace) -> int:
         raise ConfigError(f"--host {args.host}: needs --copy and a host of the file{hint}")
     home = args.host or deployment.host_of(args.role)
     member = ProcessSpec(args.role, home, copy=args.copy)
-    return live(deployment, member, Path(args.file), args.run)
+    deployment, folder = join_run(deployment, args.run)
+    try:
+        return live(deployment, member, Path(args.file), folder)
+    finally:
+        forget(deployment.robot, folder)

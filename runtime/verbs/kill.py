@@ -17,8 +17,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Kill the process; of several copies the one whose commands are accepted."""
-    with visit(target_of(args)) as bus:
-        process = process_in(bus, args.role)
+    target = target_of(args)
+    with visit(target) as bus:
+        process = process_in(bus, target, args.role)
         process.send(signal.SIGKILL)
         print(f"killed {args.role}, process {process.pid}")
     return 0

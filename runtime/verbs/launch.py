@@ -44,7 +44,7 @@ def run(args: argparse.Namespace) -> int:
         return _by_ssh(deployment)
     if args.host is not None:
         deployment.check_share(args.host)
-    folder = prepare(deployment, host=args.host)
+    deployment, folder = prepare(deployment, host=args.host)
     outcome = Launcher(deployment, folder, _screen_of(deployment), host=args.host).go()
     return _close(deployment, folder, outcome, [] if args.host is None else ["--host", args.host])
 
@@ -55,7 +55,7 @@ def _rehearse(deployment: Deployment) -> int:
 
     with VirtualNetwork(deployment) as network:
         deployment = network.deployment
-        folder = prepare(deployment, network)
+        deployment, folder = prepare(deployment, network)
         network.build(folder)
         processes = RemoteProcesses(folder, network.hosts, away=False)
         outcome = Launcher(deployment, folder, _screen_of(deployment), network, processes).go()
@@ -66,7 +66,7 @@ def _by_ssh(deployment: Deployment) -> int:
     from runtime.spawning.remote import RemoteProcesses
     from runtime.spawning.ssh import connect
 
-    folder = prepare(deployment)
+    deployment, folder = prepare(deployment)
     with connect(deployment, folder) as hosts:
         processes = RemoteProcesses(folder, hosts, away=True)
         outcome = Launcher(deployment, folder, _screen_of(deployment), processes=processes).go()

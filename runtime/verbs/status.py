@@ -9,7 +9,7 @@ from msgspec.structs import asdict
 from setproctitle import setproctitle
 
 from runtime.watching.discovery import add_target_options, target_of, visit
-from runtime.watching.local import diags, silent_roles, watcher_title
+from runtime.watching.local import silent_roles, watcher_title
 from runtime.watching.table import HEADINGS, cells, columns, distance
 from runtime.watching.watcher import View, Watcher
 
@@ -36,7 +36,7 @@ def run(args: argparse.Namespace) -> int:
             setproctitle(watcher_title(target.robot))  # by which chaos finds it
             _watch(watcher)
         view = _glance(watcher)
-        silent = silent_roles(diags(bus))
+        silent = silent_roles(bus, target)
     if args.json:
         print(_json(target.robot, view, silent))
     else:

@@ -1,145 +1,128 @@
-"""How a tool finds the robot that is meant: by name, by file, or as the only one that runs."""
+"""How a tool finds the robot that is meant: by name, by file, or as the only one that runs.
+
+A run that this user started on this machine is in the registry, with all that the tool needs. Any
+other is asked for on the ports of this machine: then nothing is known of its files.
+"""
 
 import argparse
 import json
 import random
-import socket
-import struct
 import time
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
-from plant.errors import MsmaError
 from runtime.errors import RunError
+from runtime.spawning.ports import blocks_from, listens, robots_at, taken_blocks
+from runtime.spawning.registry import runs_of, why_not
 from runtime.wire import topics
 from runtime.wire.bus import Bus
-from runtime.wire.mesh import (
-    ALL_BASES,
-    LOOPBACK,
-    SLOTS,
-    Address,
-    Endpoints,
-    Mesh,
-    on_loopback,
-    port_base,
-)
-from runtime.wire.messages import Diag, unpack
-from runtime.wire.refusals import MessageError
+from runtime.wire.mesh import LOOPBACK, Mesh, on_loopback, port_base
 from runtime.wire.security import OPERATOR, Credentials
 
-_LOOKED_AT = 8  # ports of each robot: of plant, goal and the first agents
-_FIRST_PORTS = [base + slot for base in ALL_BASES for slot in range(_LOOKED_AT)]
-_ALL_PORTS = range(ALL_BASES.start, ALL_BASES.stop)
-_TABLES = {"/proc/net/tcp": socket.AF_INET, "/proc/net/tcp6": socket.AF_INET6}
-_LISTENS = "0A"  # as those tables say it
-_PATIENCE = 1.0  # [s]
+_ANSWER = 1.0  # [s]
 _NONE_CONNECTS = 3.0  # [s] until none of those that listen is expected to accept a tool any more
 _FEW_CONNECT = 1.0  # [s] the same for the others, once one has
 _CHECKING = 0.1  # [s] for all others to check a certificate, once one has
-_BY_FILE = "if its file sets its port, hosts or security, give the file: --file FILE"
+_BY_FILE = "if another user or host has started it, give its file: --file FILE"
 
 
 class Target(NamedTuple):
-    """A robot to visit: its name, where its processes are, and what to show them."""
+    """A robot to visit.
+
+    Attributes:
+        robot: Its name.
+        mesh: Where its processes are.
+        credentials: What to show them, where certificates are asked for.
+        runs: The folders of its runs on this machine that this user has started, or has named.
+    """
 
     robot: str
     mesh: Mesh
     credentials: Credentials | None = None
+    runs: tuple[Path, ...] = ()
+
+    def run_with(self, role: str) -> Path:
+        """Return the folder of the run that has the role, or may have it.
+
+        Raises:
+            RunError: No run is known that can be trusted.
+        """
+        if not self.runs:
+            raise RunError(
+                f"{why_not(self.robot)}: if you trust the files of the run, name its deployment: "
+                f"--file RUN/deployment.yaml"
+            )
+        log = f"{topics.file_name(role)}.jsonl"
+        return next((run for run in self.runs if (run / log).exists()), self.runs[0])
 
 
 def target_of(args: argparse.Namespace) -> Target:
     """Return the robot that the command line means; `RunError` if there is not one to choose."""
     if args.file is not None:
-        from runtime.config.deployment import load  # most of what a tool imports, if it does
-        from runtime.config.overrides import Override
-
-        name = [Override("--robot", "robot", json.dumps(args.robot))] if args.robot else []
-        deployment = load(args.file, name, topics.PLANT)
-        return Target(deployment.robot, deployment.mesh, deployment.credentials(OPERATOR))
+        return _by_file(Path(args.file), args.robot)
     if args.robot is not None:
-        if _places(args.robot) <= {LOOPBACK}:
-            return _at_home(args.robot)
-        return _by_its_file(args.robot, robots_here())
-    running = robots_here()
-    if len(running) == 1:
-        robot = next(iter(running))
-        if _places(robot) == {LOOPBACK}:
-            return _at_home(robot)
-        return _by_its_file(robot, running)
-    if running:
-        raise RunError(f"several robots run here: {', '.join(running)}; say which: --robot NAME")
+        return _by_name(args.robot)
+    names = robots_here()
+    if len(names) == 1:
+        return _by_name(names[0])
+    if names:
+        raise RunError(f"several robots run here: {', '.join(names)}; say which: --robot NAME")
     raise RunError(f"no robot runs here; {_BY_FILE}")
 
 
-def robots_here() -> dict[str, str]:
-    """Return the names of the robots that run on this machine, and a deployment file of each.
+def robots_here() -> list[str]:
+    """Return the names of the robots that run on this machine.
 
-    A port that is taken among those of any robot is asked whose it is. A robot whose deployment
-    file sets its port is not found so, nor one that speaks to those it knows only.
+    Those that another user has started with a port, hosts or certificates of their own are not
+    found.
     """
-    dials = tuple(there for there in _listening() if there.port in _ALL_PORTS)
-    if not dials:
-        return {}
-    with Bus(None, "a tool", Endpoints(Address(LOOPBACK, 0), dials), random.getrandbits(63)) as bus:
-        answers = bus.ask(f"*/{topics.EVERY_DIAG}", timeout=_PATIENCE)
-    found = {}
-    for answer in answers:
-        with suppress(MessageError):
-            diag = unpack(Diag, answer.data)
-            if diag.host == socket.gethostname():
-                found[answer.key.partition("/")[0]] = diag.deployment
-    return dict(sorted(found.items()))
+    return sorted({run.robot for run in runs_of()} | robots_at(*taken_blocks()))
 
 
-def _by_its_file(robot: str, running: Mapping[str, str]) -> Target:
-    """Return a robot that runs here, wherever else it is by the file it was started with."""
+def _by_file(file: Path, robot: str | None) -> Target:
+    """Return the robot of a file that the user names, and so trusts."""
+    from runtime.config.deployment import load  # most of what a tool imports, if it does
+    from runtime.config.overrides import Override
+
+    name = [Override("--robot", "robot", json.dumps(robot))] if robot else []
+    deployment = load(file, name, topics.PLANT)
+    runs = {run.folder: run.port for run in runs_of(deployment.robot)}
+    if file.name == "deployment.yaml" and any(file.parent.glob("*.jsonl")):
+        runs = {file.parent.absolute(): deployment.port}
+    elif deployment.has_usual_ports:
+        found = {run: port for run, port in runs.items() if port == deployment.port} or runs
+        port = next(iter(found.values())) if found else _port_of(deployment.robot)
+        deployment = replace(deployment, port=port)
+    folders = tuple(run for run, port in runs.items() if port == deployment.port)
+    credentials = deployment.credentials(OPERATOR)
+    return Target(deployment.robot, deployment.mesh, credentials, folders)
+
+
+def _by_name(robot: str) -> Target:
+    runs = runs_of(robot)
+    if not runs:
+        return Target(robot, on_loopback(_port_of(robot)))
+    port = runs[0].port
+    folders = tuple(run.folder for run in runs if run.port == port)
+    if runs[0].plain:
+        return Target(robot, on_loopback(port), None, folders)
     from runtime.config.deployment import load
 
-    with suppress(MsmaError):
-        deployment = load(running.get(robot, ""), only_role=topics.PLANT)
-        if deployment.robot == robot:
-            return Target(robot, deployment.mesh, deployment.credentials(OPERATOR))
-    return _at_home(robot)
+    deployment = load(runs[0].deployment, only_role=topics.PLANT)
+    return Target(robot, deployment.mesh, deployment.credentials(OPERATOR), folders)
 
 
-def _at_home(robot: str) -> Target:
-    return Target(robot, on_loopback(port_base(robot)))
-
-
-def _places(robot: str) -> set[str]:
-    """Return at which addresses of this machine something listens at a robot's usual ports."""
-    base = port_base(robot)
-    return {there.host for there in _listening() if base <= there.port < base + SLOTS}
-
-
-def _listening() -> list[Address]:
-    """Return where something listens for TCP at an address of this machine, among our ports."""
-    found = []
-    for file, family in _TABLES.items():
-        try:
-            lines = Path(file).read_text().splitlines()[1:]
-        except OSError:  # not Linux: at the usual address only
-            return [Address(LOOPBACK, port) for port in _FIRST_PORTS if is_taken(port)]
-        for local, state in ((line.split()[1], line.split()[3]) for line in lines):
-            if state == _LISTENS:
-                address, _, port = local.partition(":")
-                words = struct.unpack(f"!{len(address) // 8}I", bytes.fromhex(address))
-                host = socket.inet_ntop(family, struct.pack(f"={len(words)}I", *words))
-                found.append(Address(host, int(port, 16)))
-    return found
-
-
-def is_taken(port: int, host: str = LOOPBACK) -> bool:
-    """Tell whether somebody listens on a port of this machine, at one of its addresses."""
-    with socket.socket() as probe:
-        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        try:
-            probe.bind((host, port))
-        except OSError:
-            return True
-    return False
+def _port_of(robot: str) -> int:
+    """Return the first port of a robot on this machine: its usual one, or where it answers."""
+    usual = port_base(robot)
+    taken = set(taken_blocks())
+    for base in blocks_from(usual):
+        if base in taken and (taken == {usual} or robot in robots_at(base)):
+            return base
+    return usual
 
 
 def _somebody(bus: Bus, target: Target) -> bool:
@@ -149,7 +132,7 @@ def _somebody(bus: Bus, target: Target) -> bool:
     check certificates. A process that hangs does not connect.
     """
     began = time.monotonic()
-    while not (there := bool(bus.who_is_alive(_PATIENCE))) or bus.links < _processes(target):
+    while not (there := bool(bus.who_is_alive(_ANSWER))) or bus.links < _processes(target):
         if time.monotonic() > began + (_FEW_CONNECT if there else _NONE_CONNECTS):
             break
         if target.mesh.addresses == (LOOPBACK,) and not _processes(target):
@@ -162,7 +145,7 @@ def _somebody(bus: Bus, target: Target) -> bool:
 
 def _processes(target: Target) -> int:
     """Return how many of the places that a tool dials are taken, on this machine."""
-    return len(set(_listening()).intersection(target.mesh.visitor().dials))
+    return sum(listens(*there) for there in target.mesh.visitor().dials)
 
 
 @contextmanager
@@ -185,5 +168,6 @@ def add_target_options(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--file",
         metavar="FILE",
-        help="its deployment file; needed if it sets port, hosts or security",
+        help="its deployment file; needed if another user or host has started it with a port, "
+        "hosts or security of its own",
     )

@@ -1,23 +1,23 @@
-"""The processes of a robot that run on this host, by their ids."""
+"""What the processes of a robot say of themselves, and which of them run on this host."""
 
 import os
 import socket
-from pathlib import Path
 
 from runtime.errors import RunError
 from runtime.spawning.identity import ProcessId, obeyed_in, processes_in
+from runtime.watching.discovery import Target
 from runtime.wire import topics
 from runtime.wire.bus import Bus
 from runtime.wire.messages import Diag, unpack
 from runtime.wire.refusals import MessageError
 
-_PATIENCE = 1.0  # [s]
+_ANSWER = 1.0  # [s]
 
 
 def diags(bus: Bus, role: str = "**") -> list[Diag]:
     """Ask a role, or all, how they are; return what those say who answer."""
     found = []
-    for answer in bus.ask(topics.diag(role), timeout=_PATIENCE):
+    for answer in bus.ask(topics.diag(role), timeout=_ANSWER):
         try:
             found.append(unpack(Diag, answer.data))
         except MessageError:
@@ -25,24 +25,16 @@ def diags(bus: Bus, role: str = "**") -> list[Diag]:
     return found
 
 
-def run_of(told: list[Diag]) -> Diag:
-    """Return what the plant says of the run, or else anybody; `RunError` if nobody does."""
-    if not told:
-        raise RunError("nobody there says which run this is: all processes hang")
-    return min(told, key=lambda diag: diag.role != topics.PLANT)
+def process_in(bus: Bus, target: Target, role: str) -> ProcessId:
+    """Return the process of a role on this host; of copies it is the one that the plant obeys.
 
-
-def process_in(bus: Bus, role: str) -> ProcessId:
-    """Return the process of a role on this host; `RunError` if there is none.
-
-    Of copies it is the one that the plant obeys.
+    Raises:
+        RunError: There is none here, or nothing is known here of the run that can be trusted.
     """
-    told = diags(bus)
-    own = [diag for diag in told if diag.role == role]
-    hosts = {diag.host for diag in own}
+    hosts = {diag.host for diag in diags(bus, role)}
     if hosts and socket.gethostname() not in hosts:
         raise RunError(f"{role} runs on {', '.join(sorted(hosts))}: go there for that")
-    process = obeyed_in(Path(run_of(told).run), role)
+    process = obeyed_in(target.run_with(role), role)
     if process is None:
         raise RunError(f"no process of {role} runs here")
     return process
@@ -65,15 +57,16 @@ def watcher_title(robot: str) -> str:
     return f"msma status --watch --robot {robot}"
 
 
-def silent_roles(told: list[Diag]) -> dict[str, str]:
-    """Return the roles that belong to a run and say nothing, and why, as far as is known here."""
-    if not told or not (file := Path(run_of(told).run) / "deployment.yaml").is_file():
-        return {}
+def silent_roles(bus: Bus, target: Target) -> dict[str, str]:
+    """Return the roles of the runs here that say nothing, and why, as far as is known."""
     from runtime.config.deployment import load  # most of what a tool imports, if it does
 
+    answering = {diag.role for diag in diags(bus)}
     silent = {}
-    for role in load(file, only_role=topics.PLANT).roles:
-        if not any(diag.role == role for diag in told):
-            processes = processes_in(file.parent, role)
-            silent[role] = f"hangs, process {processes[-1].pid}" if processes else "is not there"
+    for run in target.runs[:1]:
+        for role in load(run / "deployment.yaml", only_role=topics.PLANT).roles:
+            if role not in answering:
+                processes = processes_in(target.run_with(role), role)
+                hangs = f"hangs, process {processes[-1].pid}" if processes else "is not there"
+                silent[role] = hangs
     return silent

@@ -5,7 +5,7 @@ from contextlib import ExitStack
 
 import pytest
 
-from runtime.watching.discovery import is_taken
+from runtime.spawning.ports import is_taken
 from runtime.wire.mesh import ALL_BASES
 from tests.ports import reserve
 

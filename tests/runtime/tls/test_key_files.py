@@ -56,7 +56,7 @@ def test_a_host_gets_the_key_pairs_of_its_own_roles_and_keeps_none(
 ) -> None:
     there = tmp_path / "there"
     there.mkdir()
-    run = prepare(deployment)
+    deployment, run = prepare(deployment)
     with host("base", there) as process:
         shares = RemoteProcesses(run, {"base": process}, away=True)
         shares.start([one for one in deployment.processes if one.host == "base"][:1])
@@ -82,7 +82,7 @@ def test_a_host_that_loses_its_launcher_keeps_no_key_pairs_either(
 ) -> None:
     there = tmp_path / "there"
     there.mkdir()
-    run = prepare(deployment)
+    deployment, run = prepare(deployment)
     with host("base", there) as process:
         assert process.stdin is not None
         RemoteProcesses(run, {"base": process}, away=True).start([])
@@ -96,7 +96,7 @@ def test_a_host_with_the_key_pairs_of_its_own_roles_can_start_them(
     deployment: Deployment, tmp_path: Path
 ) -> None:
     (tmp_path / "keys" / "plant.key").unlink()
-    folder = prepare(deployment, host="arm")
+    deployment, folder = prepare(deployment, host="arm")
     shutil.rmtree(folder)
     with pytest.raises(ValueError, match=r"plant\.key"):
         prepare(deployment, host="robot")

@@ -1,0 +1,235 @@
+"""The runs that this user has started on this machine, by robot: a private folder of small files.
+
+Tools look a run up here. What any process says on the bus of where its files are is not trusted:
+another user may have put a process there.
+"""
+
+import fcntl
+import json
+import os
+import pwd
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
+from zlib import crc32
+
+from runtime.errors import RunError
+from runtime.processes.log_writer import new_run_folder
+from runtime.spawning.identity import ProcessId, processes_in
+from runtime.spawning.ports import blocks_from, is_free, robots_at
+from runtime.spawning.trust import distrust, distrust_modules
+from runtime.wire.topics import role_of_file
+
+if TYPE_CHECKING:
+    from runtime.config.deployment import Deployment  # tools that need not read one start sooner
+
+
+class RegisteredRun(NamedTuple):
+    """A run that this user has started.
+
+    Attributes:
+        robot: The robot's name.
+        folder: The run's folder, with the deployment as resolved, and the logs.
+        port: The first of the robot's ports.
+        modules: The folder of the classes that the deployment may name.
+        plain: Whether it is all on this machine and asks for no certificates, so that a tool needs
+            to know no more than the port.
+        process: What has started it: a launcher, or a process that was started by hand.
+    """
+
+    robot: str
+    folder: Path
+    port: int
+    modules: Path
+    plain: bool
+    process: ProcessId
+
+    @classmethod
+    def of(cls, deployment: "Deployment", folder: Path) -> Self:
+        """Return that of a run which this process starts."""
+        real, modules = (Path(os.path.realpath(path)) for path in (folder, deployment.modules))
+        plain = deployment.all_here and deployment.security is None
+        return cls(deployment.robot, real, deployment.port, modules, plain, ProcessId.own())
+
+    @property
+    def deployment(self) -> Path:
+        """The file of the deployment as resolved."""
+        return self.folder / "deployment.yaml"
+
+    def lives(self) -> bool:
+        """Tell whether what has started it lives, or else any process of it."""
+        if self.process.lives():
+            return True
+        logs = sorted(self.folder.glob("*.jsonl"), key=lambda log: log.stat().st_size)
+        return any(processes_in(self.folder, role_of_file(log.stem)) for log in logs)
+
+    def distrust(self) -> str | None:
+        """Return why another user may have changed its files, None if nobody else can."""
+        return distrust(self.deployment) or distrust_modules(self.modules)
+
+
+def registry() -> Path:
+    """Return the private folder; `RunError` if there can be none."""
+    why = ""
+    for folder in _candidates():
+        try:
+            folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        except OSError as error:
+            why = f"{folder}: {error.strerror}"
+            continue
+        real = Path(os.path.realpath(folder))
+        distrusted = distrust(real)
+        if distrusted is None:
+            return real
+        why = distrusted
+    raise RunError(f"there is no private folder to note what runs: {why}")
+
+
+def _candidates() -> Iterator[Path]:
+    """Yield where it may be: by the user alone, not by what the environment says (as with sudo)."""
+    with suppress(KeyError):
+        yield Path(pwd.getpwuid(os.geteuid()).pw_dir) / ".cache" / "msma" / "runs"
+    yield Path(tempfile.gettempdir()) / f"msma-{os.geteuid()}"
+
+
+def runs_of(robot: str | None = None) -> list[RegisteredRun]:
+    """Return the runs of a robot, or all runs, that go on and are to be trusted; newest first.
+
+    Those that have ended are forgotten.
+    """
+    return [run for run in _all_runs(robot) if run.distrust() is None]
+
+
+def why_not(robot: str) -> str:
+    """Return why none of a robot's runs can be trusted, for people."""
+    found = [(run, why) for run in _all_runs(robot) if (why := run.distrust())]
+    if not found:
+        return f"this user has started no run of {robot} here"
+    run, why = found[0]
+    return f"{why}, so {run.deployment} is not trusted"
+
+
+def _all_runs(robot: str | None) -> list[RegisteredRun]:
+    try:
+        files = list(registry().glob(f"{robot or '*'}.*.json"))
+    except RunError:
+        return []
+    found = []
+    for file in files:
+        run = _read(file)
+        there = run is not None and run.deployment.exists()
+        if run is not None and there and (run.distrust() is not None or run.lives()):
+            found.append(run)
+        else:
+            file.unlink(missing_ok=True)
+    return sorted(found, key=lambda run: run.process.started, reverse=True)
+
+
+def _read(file: Path) -> RegisteredRun | None:
+    try:
+        plain: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
+        folder, modules = Path(plain["folder"]), Path(plain["modules"])
+        process = ProcessId(*plain["process"])
+        more = plain["port"], modules, plain["plain"], process
+        return RegisteredRun(plain["robot"], folder, *more)
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+
+
+def register(run: RegisteredRun) -> None:
+    """Note a run; if that cannot be, tools find it by its file only."""
+    plain = run._asdict() | {"folder": str(run.folder), "modules": str(run.modules)}
+    with suppress(OSError, RunError):
+        file = _file(run.robot, run.folder, run.process.pid)
+        new = file.with_suffix(".new")
+        new.write_text(json.dumps(plain), encoding="utf-8")
+        new.replace(file)
+
+
+def forget(robot: str, folder: Path) -> None:
+    """Take back what this process has noted of a run."""
+    with suppress(OSError, RunError):
+        _file(robot, Path(os.path.realpath(folder)), os.getpid()).unlink(missing_ok=True)
+
+
+def _file(robot: str, folder: Path, pid: int) -> Path:
+    return registry() / f"{robot}.{crc32(bytes(folder)):08x}.{pid}.json"
+
+
+@contextmanager
+def _alone() -> Iterator[None]:
+    """Keep other processes of this user from choosing ports meanwhile."""
+    try:
+        lock = os.open(registry() / "lock", os.O_RDWR | os.O_CREAT, 0o600)
+    except (OSError, RunError):
+        yield
+        return
+    try:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(lock)
+
+
+def begin_run(deployment: "Deployment") -> "tuple[Deployment, Path]":
+    """Make the folder of a new run, and return it with the deployment as resolved, also in it.
+
+    A robot whose usual ports another one has takes the next that are free.
+    """
+    with _alone():
+        deployment = _with_ports(deployment, runs_of())
+        return deployment, _new_run(deployment)
+
+
+def join_run(deployment: "Deployment", folder: Path | None = None) -> "tuple[Deployment, Path]":
+    """Return the run that a process started by hand belongs to, and its deployment as resolved.
+
+    It is the one in that folder, or else the robot's newest that goes on here, or a new one.
+    """
+    with _alone():
+        runs = runs_of()
+        deployment = _with_ports(deployment, runs)
+        if folder is None:
+            known = (deployment.robot, deployment.port)
+            same = [run.folder for run in runs if (run.robot, run.port) == known]
+            if not same:
+                return deployment, _new_run(deployment)
+            folder = same[0]
+        folder = folder.absolute()
+        folder.mkdir(parents=True, exist_ok=True)
+        if not (folder / "deployment.yaml").exists():
+            (folder / "deployment.yaml").write_text(deployment.dump(), encoding="utf-8")
+        register(RegisteredRun.of(deployment, folder))
+        return deployment, folder
+
+
+def _new_run(deployment: "Deployment") -> Path:
+    try:
+        folder = new_run_folder(deployment.runs, deployment.robot).absolute()
+        (folder / "deployment.yaml").write_text(deployment.dump(), encoding="utf-8")
+    except OSError as error:
+        why = error.strerror or error
+        raise RunError(f"the folder of the run cannot be written: {why}") from None
+    register(RegisteredRun.of(deployment, folder))
+    return folder
+
+
+def _with_ports(deployment: "Deployment", runs: list[RegisteredRun]) -> "Deployment":
+    """Return a deployment with the ports that its robot has or takes on this machine.
+
+    A port that its file sets stays, and so does one that other hosts have to know.
+    """
+    robot = deployment.robot
+    if not deployment.has_usual_ports:
+        return deployment
+    for run in runs:
+        if run.robot == robot:
+            return replace(deployment, port=run.port)
+    taken = {run.port for run in runs}
+    for base in blocks_from(deployment.port):
+        if base not in taken and (is_free(base) or robot in robots_at(base)):
+            return replace(deployment, port=base)
+    return deployment
