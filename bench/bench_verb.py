@@ -1,4 +1,4 @@
-"""Measure how fast it is, beside others, on this machine, and write it down."""
+"""Measure latency, throughput and memory, compared with plain Zenoh and other systems."""
 
 import argparse
 import sys

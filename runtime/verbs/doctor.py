@@ -1,4 +1,4 @@
-"""Check whether this machine and a robot's hosts, certificates and ports are ready for a run.
+"""Check whether this machine and a robot's hosts, certificates and ports are ready.
 
 Without --robot or --file, check only the machine. Exit codes: 0 if nothing is bad, otherwise 1.
 """
