@@ -1,4 +1,4 @@
-"""Reproduce the figures and tables of the paper and compare them with their acceptance bars."""
+"""Reproduce the paper's figures and tables, and check them against their acceptance bars."""
 
 import argparse
 import sys
