@@ -20,7 +20,9 @@ BEGIN, END = "<!-- generated from runtime/wire/topics.py -->\n", "<!-- end -->"
 
 def generated() -> str:
     """Return the tables of topics and of the fields of their messages."""
-    topics = [("key", "published by", "how often", "sent", "percept", "recorded", "message")]
+    topics: list[tuple[str, ...]] = [
+        ("key", "published by", "how often", "sent", "percept", "recorded", "message")
+    ]
     topics += [_row(topic) for topic in TOPICS]
     messages = [("message", "fields", "meaning")]
     for kind in dict.fromkeys(topic.message for topic in TOPICS):
