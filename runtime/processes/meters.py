@@ -1,4 +1,4 @@
-"""What a process measures of itself, in constant memory and next to no time."""
+"""Measurements of a process by itself, in constant memory and next to no time."""
 
 import math
 from collections.abc import Mapping
@@ -11,7 +11,7 @@ _BINS = 30 * _BINS_A_DOUBLING  # up to 18 minutes
 
 
 class Durations:
-    """How long something took, all along: the spread to within 7 %, the worst exactly."""
+    """The distribution of a duration: quantiles within 7 %, the maximum exactly."""
 
     def __init__(self) -> None:
         self._bins = [0] * _BINS
@@ -40,7 +40,7 @@ class Durations:
 
 
 class Rate:
-    """How often something happens a second, from one look to the next."""
+    """The rate of something between two calls of `look`."""
 
     def __init__(self, now: float) -> None:
         self._since = now
@@ -53,32 +53,32 @@ class Rate:
         return more / elapsed if elapsed > 0 else 0.0
 
 
-_KEPT = 512  # states at least that can still be answered
+_KEPT = 512  # the last so many states at least can be answered
 
 
 class AnswerTimes:
-    """Times from telling a state to the arrival of each role's answer to it."""
+    """Latency from publishing a state to the arrival of each role's answer to it."""
 
     def __init__(self) -> None:
-        self._told: dict[float, float] = {}  # when, by t
-        self._before: dict[float, float] = {}  # those told before these
+        self._sent: dict[float, float] = {}  # time [s] of each state, by its plant time
+        self._before: dict[float, float] = {}  # those of earlier states
         self._durations: dict[str, Durations] = {}
 
-    def told(self, t: float, now: float) -> None:
-        """The state of plant time `t` [s] was told `now` [s]."""
-        if len(self._told) == _KEPT:
-            self._before, self._told = self._told, {}
-        self._told[t] = now
+    def sent(self, t: float, now: float) -> None:
+        """Note that the state of plant time `t` [s] was published `now` [s]."""
+        if len(self._sent) == _KEPT:
+            self._before, self._sent = self._sent, {}
+        self._sent[t] = now
 
-    def heard(self, role: str, t: float, now: float) -> None:
-        """An answer of `role` to the state of `t` [s] arrived `now` [s]."""
-        told = self._told.get(t) or self._before.get(t)
-        if told is not None and now >= told:
+    def answered(self, role: str, t: float, now: float) -> None:
+        """Note that the answer of a role to the state of `t` [s] arrived `now` [s]."""
+        sent = self._sent.get(t) or self._before.get(t)
+        if sent is not None and now >= sent:
             durations = self._durations.get(role)
             if durations is None:
                 durations = self._durations[role] = Durations()
-            durations.add(now - told)
+            durations.add(now - sent)
 
     def spreads(self) -> Mapping[str, Spread]:
-        """Return the spread of each role's answer times."""
+        """Return the spread of each role's latency."""
         return {role: durations.spread() for role, durations in list(self._durations.items())}

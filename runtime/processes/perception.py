@@ -21,15 +21,18 @@ _KEPT = 6
 
 
 class Perception:
-    """Keeps the newest of each kind, and gives what of it is fresh and of one moment.
+    """Keeps the newest message of each kind, and gives those that are fresh and of one moment.
 
-    What the plant tells of one moment comes as several messages. One that is a period older than
-    the others would show the hand a period's way off, and in motion where it is not.
+    The plant publishes the state of one moment as several messages. One that is a period older than
+    the others would put the hand a period's travel off, and in motion where it is not.
 
-    robot: whose joints the joint states must be of
-    fresh: how long what arrived is worth perceiving [s]
-    sensors: topics of the robot's own sensors that are perceived
-    t: the moment that was told of last by what calls for a decision [s]
+    Args:
+        robot: The robot, whose number of joints the joint states must have.
+        fresh: Age up to which a message is perceived [s].
+        sensors: Topics of the robot's own sensors that are perceived.
+
+    Attributes:
+        t: Plant time of the last message that calls for a decision [s].
     """
 
     def __init__(

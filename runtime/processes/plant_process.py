@@ -116,7 +116,7 @@ class PlantNode(Node):
     def _publish(self) -> None:
         self._readings = self._plant.read()
         self._process.t = self._readings.t
-        self._answers.told(self._readings.t, time.monotonic())
+        self._answers.sent(self._readings.t, time.monotonic())
         self._publisher.publish(self._readings)
 
     def _take_commands(self, now: float) -> bool:
@@ -128,7 +128,7 @@ class PlantNode(Node):
             answered = self._arbiter.take(arrival, max(t - ago, 0.0))
             if answered is not None:
                 accepted = True
-                self._answers.heard(*answered, arrived)
+                self._answers.answered(*answered, arrived)
         return accepted
 
     def _on_fault(self, text: bytes) -> bytes:

@@ -10,11 +10,14 @@ _AT_A_TIME = 0.1  # [s] of sleep, so that the end is noticed in between
 class Pacer:
     """Waits for one deadline after another, a period apart.
 
-    After an overrun, or when the process was stopped for a while, it starts afresh from there:
-    what was missed is not made up for.
+    After an overrun, or a suspension of the process, it starts again from there: missed deadlines
+    are not made up for.
 
-    period: [s] on the clock
-    missed: how many deadlines were given up
+    Args:
+        period: Period [s].
+
+    Attributes:
+        missed: Number of deadlines that were missed.
     """
 
     def __init__(
@@ -54,13 +57,14 @@ def apart(number: int) -> float:
 
 
 class Cadence:
-    """Tells when a new decision is of use, of an agent that is asked more often than that.
+    """Decides when an agent makes a new decision, if it receives states more often than that.
 
-    The plant's time is cut into spells, from a moment of the agent's own, so that not all think at
-    once, neither in the beginning nor after something has held them all up.
+    Plant time is divided into intervals with a phase of the agent's own, so that agents do not all
+    decide at once, neither at the start nor after a common delay.
 
-    rest: how long a spell is [s]; 0 if every decision is of use
-    phase: where in a spell the plant's time begins, 0 to 1
+    Args:
+        rest: Length of an interval [s]; 0 for a decision on every state.
+        phase: Where in an interval plant time begins, 0 to 1.
     """
 
     def __init__(self, rest: float, phase: float) -> None:
@@ -76,14 +80,15 @@ class Cadence:
 
 
 class Backlog:
-    """Tells by the stamps of the plant's states which ones a newer one has overtaken already.
+    """Finds, by their timestamps, states that a newer one has overtaken.
 
-    A state that comes while the one before was being answered has waited. If by its stamp it is
-    some periods older than those were that came soonest, so many others wait behind it. Were each
-    of them answered, one delay would make many answers late.
+    A state that arrives while the previous one is being answered has waited. If its timestamp is
+    several periods older than those of the fastest states, that many others wait behind it. If each
+    of them were answered, one delay would make many answers late.
 
-    period: between two states, of the plant's time [s]
-    speed: of the plant's time in real time
+    Args:
+        period: Time between two states [s, plant time].
+        speed: Plant time per real time.
     """
 
     def __init__(self, period: float, speed: float) -> None:

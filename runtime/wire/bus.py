@@ -105,10 +105,14 @@ class RingSubscriber:
 
 
 class Bus:
-    """A process's place on its robot's bus; open while in its `with` block.
+    """A process's connection to its robot's bus; open within its `with` block.
 
-    robot: its name, the Zenoh namespace: nothing crosses to other robots; None to see all of them
-    credentials: what it is known by, where certificates are asked for
+    Args:
+        robot: Name of the robot, the Zenoh namespace, which separates robots; None to see all.
+        role: The role of the process.
+        place: Where it listens, and to whom it connects.
+        incarnation: The random number of this process.
+        credentials: Its certificate, on a robot with `security`.
     """
 
     def __init__(
@@ -265,12 +269,14 @@ class Bus:
 def _replies(
     get: "Callable[[Callback[zenoh.Reply]], None]", timeout: float
 ) -> Iterator[zenoh.Reply]:
-    """Yield what replies to a question, until all did; wait little longer than `timeout` [s].
+    """Yield the replies to a query until all are in, or hardly longer than `timeout` [s].
 
-    It is Zenoh that is to give up then. But it does so in the thread that does all of its work,
-    and where that one is held up, as by peers that are far too many, nobody else would.
+    Zenoh itself should time out. But it does so in the thread that does all of its work, so not
+    while that one is blocked, such as by far too many peers.
 
-    get: asks the question, given a handler
+    Args:
+        get: Sends the query, given a handler for replies.
+        timeout: Time to wait [s].
     """
     replies: SimpleQueue[zenoh.Reply | None] = SimpleQueue()
     get(direct_callback(replies.put, drop=lambda: replies.put(None)))

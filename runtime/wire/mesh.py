@@ -1,17 +1,17 @@
-"""Where the processes of a robot listen and whom they dial: a mesh that any one may leave.
+"""Where the processes of a robot listen and to whom they connect: a mesh that any one can leave.
 
-Each process has a slot with a port of its own, at the address of its host, and dials the lower
-slots only. Of every two the higher one dials, so they never end up with half a connection each;
-and whoever dies, newcomers are still dialled by the higher and dial the lower ones.
+Each process has a slot with a port of its own, at the address of its host, and connects to the
+lower slots only. Of every two the higher one connects, so they never end up with half a connection
+each; and whichever process ends, a new one connects to lower slots, and higher ones connect to it.
 """
 
 from typing import NamedTuple
 from zlib import crc32
 
 SLOTS = 128
-"""Ports that a robot has to itself: one a process."""
+"""Ports of a robot: one for each process."""
 FIRST_COPY = 96
-"""From this slot on there are second copies of agents; below, each role has its own."""
+"""First slot of copies of agents; each role has a slot of its own below it."""
 _FIRST_PORT, _ROBOTS = 7600, 190  # ports up to 31919, below those that systems hand out
 
 ALL_BASES = range(_FIRST_PORT, _FIRST_PORT + SLOTS * _ROBOTS, SLOTS)
@@ -37,11 +37,14 @@ class Address(NamedTuple):
 
 
 class Endpoints(NamedTuple):
-    """Where a process listens (port 0: anywhere) and whom it dials.
+    """Where a process listens, and to whom it connects.
 
-    rarely: whom it dials too, but not as often: most of these places are empty
-    elsewhere: how many roles there are on other hosts than its own
-    routers: if there are any, it connects to one of these instead, and to nobody else
+    Attributes:
+        listen: Where it listens; port 0 for any port.
+        dials: The addresses that it connects to.
+        rarely: Further addresses, tried less often because most of them are not in use.
+        elsewhere: Number of roles on other hosts.
+        routers: Zenoh routers; if there are any, it connects to one of these only.
     """
 
     listen: Address
@@ -52,12 +55,13 @@ class Endpoints(NamedTuple):
 
 
 class Mesh(NamedTuple):
-    """Where the roles of a robot are at home.
+    """The addresses of a robot's processes.
 
-    base: the first of the robot's ports, which are the same on every host
-    homes: the address of each role's host, in the order of their slots
-    hosts: the addresses of all hosts, on which copies may be
-    routers: address and port of Zenoh routers by which all talk instead
+    Attributes:
+        base: The first of the robot's ports, the same on every host.
+        homes: Address of each role's host, in the order of slots.
+        hosts: Addresses of all hosts, where copies may run.
+        routers: Addresses and ports of Zenoh routers that carry all traffic instead.
     """
 
     base: int

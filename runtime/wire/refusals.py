@@ -1,4 +1,4 @@
-"""What was refused, from which key and why: counted, and said once (rule 9)."""
+"""Refused messages, counted by key and reason, and logged once for each."""
 
 from collections.abc import Callable
 from enum import StrEnum
@@ -49,7 +49,8 @@ def say_nothing(key: str, reason: str, detail: str) -> None:
 class Refusals:
     """Counts by key and reason, in bounded memory as long as the keys are ours.
 
-    say: called with key, reason and detail the first time a key gives a reason
+    Args:
+        say: Called with key, reason and detail at the first refusal of a key for a reason.
     """
 
     def __init__(self, say: Callable[[str, str, str], None] = say_nothing) -> None:

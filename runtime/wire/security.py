@@ -19,12 +19,13 @@ _ALL = (*_READ, "put", "query", "reply", "declare_queryable", "liveliness_token"
 
 
 class Credentials(NamedTuple):
-    """What a process shows the others, and whom it lets do what.
+    """The certificate of a process, and what the rights of others follow from.
 
-    folder: where certificates and private keys are
-    name: the name in its own certificate: its role, or `OPERATOR`
-    roles: the robot's roles; who has another name has no rights
-    contract: the robot's topics
+    Attributes:
+        folder: Folder of the certificates and private keys.
+        name: The name in its own certificate: its role, or `OPERATOR`.
+        roles: The robot's roles; other names have no rights.
+        contract: The robot's topics.
     """
 
     folder: Path

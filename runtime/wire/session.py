@@ -16,13 +16,16 @@ from runtime.wire.security import Credentials, access_list, encryption
 from runtime.wire.zenoh_internals.threads import provide_threads
 
 
-class _Patience(NamedTuple):
-    """How long to wait for what [ms].
+class _Timeouts(NamedTuple):
+    """Timeouts of connections [ms].
 
-    lease: silence after which a connection is given up
-    open, pause: to try to connect before trying anew, and to pause at most before that; a host
-        that is cut off does not refuse, so these say how soon it is found when it is back, and
-        how long a session may take to close
+    A host that is cut off does not refuse connections, so `open` and `pause` determine how soon it
+    is found when it is back, and how long a session may take to close.
+
+    Attributes:
+        lease: Silence after which a connection is closed.
+        open: Time for an attempt to connect.
+        pause: Longest pause before the next attempt.
     """
 
     lease: int
@@ -30,8 +33,8 @@ class _Patience(NamedTuple):
     pause: int
 
 
-_AT_HOME = _Patience(lease=250, open=1000, pause=500)
-_ACROSS = _Patience(lease=600, open=500, pause=100)
+_ONE_HOST = _Timeouts(lease=250, open=1000, pause=500)
+_SEVERAL_HOSTS = _Timeouts(lease=600, open=500, pause=100)
 """With other hosts a packet may be lost twice, which costs 0.4 s; to connect anew costs more."""
 
 
@@ -54,11 +57,11 @@ def config(
     credentials, everybody may do everything.
     """
     provide_threads(place.elsewhere)
-    patience = _ACROSS if place.elsewhere else _AT_HOME
+    timeouts = _SEVERAL_HOSTS if place.elsewhere else _ONE_HOST
     protocol, encrypted, listed = "tcp", {}, {}
     if credentials is not None and robot is not None:
         protocol, encrypted = "tls", encryption(credentials)
-        patience = patience._replace(open=_TLS_OPEN)
+        timeouts = timeouts._replace(open=_TLS_OPEN)
         listed = {"access_control": access_list(robot, credentials.roles, credentials.contract)}
     return zenoh.Config.from_json5(
         json.dumps(
@@ -70,7 +73,7 @@ def config(
                     "endpoints": _dials(protocol, place),
                     "retry": {
                         "period_init_ms": 100,
-                        "period_max_ms": patience.pause,
+                        "period_max_ms": timeouts.pause,
                         "period_increase_factor": 1.5,
                     },
                 },
@@ -81,10 +84,10 @@ def config(
                 },
                 "transport": {
                     "link": {
-                        "tx": {"lease": patience.lease, "keep_alive": 4, "batch_size": _BATCH},
+                        "tx": {"lease": timeouts.lease, "keep_alive": 4, "batch_size": _BATCH},
                         **encrypted,
                     },
-                    "unicast": {"open_timeout": patience.open, "accept_timeout": 1000},  # [ms]
+                    "unicast": {"open_timeout": timeouts.open, "accept_timeout": 1000},  # [ms]
                     "shared_memory": {"enabled": False},  # it leaks when a process is killed
                 },
                 **listed,

@@ -70,10 +70,11 @@ _OF_LINKS = (
 
 
 class ConnectionLog:
-    """Listens to Zenoh's log in its `with` block, which begins before the first session is opened.
+    """Reads Zenoh's log within its `with` block, which begins before the first session is opened.
 
-    refusals: what they are counted in
-    joined: called with name and address of who has connected, once his certificate was found good
+    Args:
+        refusals: Counts the refusals.
+        joined: Called with name and address of each peer that connected with a valid certificate.
     """
 
     def __init__(self, refusals: Refusals, joined: Callable[[str, str], None]) -> None:

@@ -38,10 +38,10 @@ def test_a_rate_is_that_since_the_last_look() -> None:
 
 def test_the_answer_to_a_state_is_timed_from_when_the_state_was_told() -> None:
     answers = AnswerTimes()
-    answers.told(0.60, 7.0)
-    answers.told(0.66, 7.06)
-    answers.heard("joint/1", 0.60, 7.002)
-    answers.heard("joint/2", 0.66, 7.080)
+    answers.sent(0.60, 7.0)
+    answers.sent(0.66, 7.06)
+    answers.answered("joint/1", 0.60, 7.002)
+    answers.answered("joint/2", 0.66, 7.080)
     assert answers.spreads()["joint/1"].worst == pytest.approx(0.002)
     assert answers.spreads()["joint/2"].worst == pytest.approx(0.020)
 
@@ -49,17 +49,17 @@ def test_the_answer_to_a_state_is_timed_from_when_the_state_was_told() -> None:
 @pytest.mark.parametrize("t", [0.3, 0.61, 600.0, -5.0, 1e9])
 def test_an_answer_to_a_state_that_was_never_told_is_not_timed(t: float) -> None:
     answers = AnswerTimes()
-    answers.told(0.60, 7.0)
-    answers.heard("joint/1", t, 7.002)
+    answers.sent(0.60, 7.0)
+    answers.answered("joint/1", t, 7.002)
     assert answers.spreads() == {}
 
 
 def test_any_of_the_last_few_hundred_states_can_still_be_answered() -> None:
     answers = AnswerTimes()
     for tick in range(1700):
-        answers.told(tick * 0.001, 7.0 + tick * 0.001)
+        answers.sent(tick * 0.001, 7.0 + tick * 0.001)
         if tick >= 500:
-            answers.heard("joint/1", (tick - 500) * 0.001, 7.0 + tick * 0.001)
+            answers.answered("joint/1", (tick - 500) * 0.001, 7.0 + tick * 0.001)
     assert answers.spreads()["joint/1"].median == pytest.approx(0.5, rel=0.07)
     assert answers.spreads()["joint/1"].worst == pytest.approx(0.5)
 
@@ -67,6 +67,6 @@ def test_any_of_the_last_few_hundred_states_can_still_be_answered() -> None:
 def test_an_answer_to_a_state_of_long_ago_is_not_timed() -> None:
     answers = AnswerTimes()
     for tick in range(5000):
-        answers.told(round(tick * 0.001, 12), 7.0 + tick * 0.001)
-    answers.heard("joint/1", 0.1, 12.0)
+        answers.sent(round(tick * 0.001, 12), 7.0 + tick * 0.001)
+    answers.answered("joint/1", 0.1, 12.0)
     assert answers.spreads() == {}
