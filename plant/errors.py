@@ -2,8 +2,8 @@
 
 
 class MsmaError(Exception):
-    """Something the user can put right: the message says what, where, and what would be valid.
+    """Something the user can correct: the message says what, where, and what would be valid.
 
-    Every kind also inherits the builtin that fits it, so that callers who know nothing of MSMA
-    can still catch it: `class RobotError(MsmaError, ValueError)`.
+    Every kind also inherits the builtin that fits it, so that callers can catch it without knowing
+    MSMA: `class RobotError(MsmaError, ValueError)`.
     """

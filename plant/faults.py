@@ -1,4 +1,4 @@
-"""What can break in a robot, and how one says so: `joint/2:locked`, `encoder/1:biased=5deg`."""
+"""Faults of a robot and their text form: `joint/2:locked`, `encoder/1:biased=5deg`."""
 
 import math
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from plant.units import Unit, UnitError, parse_quantity
 
 
 class FaultError(MsmaError, ValueError):
-    """A fault that there is not, or that this robot cannot have; the message says what is valid."""
+    """A fault that does not exist, or that a robot or plant cannot have; it says what is valid."""
 
 
 class _Value(NamedTuple):
@@ -57,25 +57,25 @@ _WRITTEN: dict[Unit, tuple[str, float]] = {  # the unit people write, and how mu
 
 @dataclass(frozen=True)
 class Fault:
-    """One thing that is broken from now on; a later fault of the same target takes its place.
+    """One thing that is broken from now on; a later fault of the same target replaces it.
 
     | text | meaning |
     | --- | --- |
     | `joint/N:locked` | brakes and stays where it is |
     | `joint/N:locked=60deg` | runs there within its limits, then stays |
     | `joint/N:limp` | no motor: gravity pulls it, friction damps it; a vertical axis just stops |
-    | `joint/N:weak=0.5` | turns at that share of the speed it is told |
-    | `joint/N:runaway=0.2` | turns at random up to that share of its full speed, told or not |
-    | `encoder/N:stuck` | goes on telling the angle of this moment, at rest |
-    | `encoder/N:lost` | tells nothing (NaN) |
-    | `encoder/N:biased=5deg` | tells an angle too large by that |
-    | `encoder/N:noisy=0.5deg` | tells an angle with noise of that standard deviation |
-    | `localiser:lost` | tells nothing |
-    | `localiser:noisy=1mm` | tells a position with such noise along each axis |
-    | `localiser:late=100ms` | tells what was so long ago |
+    | `joint/N:weak=0.5` | turns at that share of the commanded speed |
+    | `joint/N:runaway=0.2` | turns at random speeds up to that share of its full speed |
+    | `encoder/N:stuck` | goes on reading the present angle, at rest |
+    | `encoder/N:lost` | reads nothing (NaN) |
+    | `encoder/N:biased=5deg` | reads an angle too large by that |
+    | `encoder/N:noisy=0.5deg` | reads an angle with noise of that standard deviation |
+    | `localiser:lost` | measures nothing |
+    | `localiser:noisy=1mm` | measures a position with such noise along each axis |
+    | `localiser:late=100ms` | reports what it measured so long ago |
     | `platform:locked` | brakes and stays |
-    | `platform:weak=0.5` | moves at that share of the speeds it is told |
-    | any target, `:ok` | is whole again |
+    | `platform:weak=0.5` | moves at that share of the commanded speeds |
+    | any target, `:ok` | works again |
 
     Attributes:
         target: `joint/N` and `encoder/N` (N from 1), `localiser` or `platform`.
@@ -116,10 +116,15 @@ class Fault:
 
     @classmethod
     def parse(cls, text: str, robot: Robot) -> "Fault":
-        """Read `TARGET:KIND[=VALUE]` for that robot.
+        """Read a fault of that robot from its text form.
 
-        A value carries its unit, such as 60deg, 1mm, 100ms; one without is SI.
-        Raises `FaultError`.
+        Args:
+            text: `TARGET:KIND[=VALUE]`. A value has a unit, such as 60deg, 1mm, 100ms; one without
+                is in SI.
+            robot: The robot that is to have it.
+
+        Raises:
+            FaultError: There is no such fault, or the robot cannot have it.
         """
         head, equals, written = text.strip().partition("=")
         target, colon, kind = (word.strip() for word in head.partition(":"))
@@ -175,7 +180,7 @@ class Fault:
 
 
 def _written(value: float, unit: Unit) -> str:
-    """The value in the unit people write, if that reads back as exactly the same; else in SI."""
+    """Return the value in the unit people write, if it reads back exactly so; else in SI."""
     name, per_si = _WRITTEN[unit]
     text = f"{value * per_si:.10g}{name}"
     if not math.isfinite(value) or parse_quantity(text, unit) == value:

@@ -1,4 +1,4 @@
-"""Where the arm is when its joints stand so: forward kinematics for one arm or for thousands."""
+"""Forward kinematics: where an arm is at given joint angles, for one arm or for thousands."""
 
 import math
 from collections.abc import Sequence
@@ -12,38 +12,38 @@ from plant.robot import Array, Numbers, Robot
 from plant.straight_line import Forward, forward_function
 
 Parts = tuple[Array, Array, Array]
-"""x, y and z (...) of vectors (..., 3): floats of a lone one."""
+"""x, y and z (...) of vectors (..., 3); floats of a single vector."""
 
 
 class ArmPose:
     """An arm in the world, or many.
 
     The tip moves with `cross(axes[i], tip - points[i])` per rad/s of joint i: the columns of the
-    Jacobian matrix. Who computes part by part (x, y, z) has the parts as they were worked out; the
-    arrays are made of them when they are asked for.
+    Jacobian matrix. The parts (x, y, z) are as they were computed; arrays are made of them when
+    they are asked for.
     """
 
     def __init__(self, numbers: Sequence[Any], batch: tuple[int, ...]) -> None:
-        """Be the arm, or the arms of that leading shape, of what `forward_function` returns."""
+        """Hold the result of a `forward_function`, with arms of the leading shape `batch`."""
         self._numbers, self._batch = numbers, batch
         self._axes_begin = (len(numbers) + 12) // 2  # there are as many as for points
 
     @property
     def tip_parts(self) -> Parts:
-        """The grip point [m]."""
+        """The tip [m]."""
         return self._three(0)
 
     @property
     def tip_of_one(self) -> tuple[Numbers, Numbers]:
-        """A lone arm's grip point [m] (3), and its hand's rotation matrix row by row (9)."""
+        """The tip of one arm: its position [m] (3), and its rotation matrix row by row (9)."""
         return tuple(self._numbers[:3]), tuple(self._numbers[3:12])
 
     def point_parts(self, index: int) -> Parts:
-        """A point on the axis of joint `index` (from 0): the origin of its frame [m]."""
+        """Return a point on the axis of joint `index` (from 0): the origin of its frame [m]."""
         return self._three(12 + 3 * index)
 
     def axis_parts(self, index: int) -> Parts:
-        """The unit axis of joint `index` (from 0)."""
+        """Return the unit axis of joint `index` (from 0)."""
         return self._three(self._axes_begin + 3 * index)
 
     def _three(self, begin: int) -> Parts:
@@ -52,12 +52,12 @@ class ArmPose:
 
     @cached_property
     def tip(self) -> Array:
-        """(..., 3), the grip point [m]."""
+        """(..., 3), the tip [m]."""
         return self._vectors(0, 3)[..., 0, :]
 
     @cached_property
     def rotation(self) -> Array:
-        """(..., 3, 3), the hand's x, y and z directions as columns."""
+        """(..., 3, 3), the tip's x, y and z directions as columns."""
         return self._vectors(3, 12)
 
     @cached_property
@@ -71,7 +71,7 @@ class ArmPose:
         return self._vectors(self._axes_begin, len(self._numbers))
 
     def _vectors(self, begin: int, end: int) -> Array:
-        """(..., (end - begin) / 3, 3), in which each number of all arms lies side by side."""
+        """Return (..., k, 3) of which each number lies side by side for all arms."""
         numbers = self._numbers[begin:end]
         if not self._batch:
             return np.array(numbers).reshape(-1, 3)
@@ -83,20 +83,20 @@ class ArmPose:
 
 @cache
 def kinematics_of(robot: Robot) -> "Kinematics":
-    """Forward kinematics of a robot, the same object for all who ask."""
+    """Return the forward kinematics of a robot; always the same object."""
     return Kinematics(robot)
 
 
 class Kinematics:
-    """Forward kinematics of one robot, with all that can be known beforehand worked out once.
+    """Forward kinematics of one robot, with all that is constant computed once.
 
     Each joint's frame is turned so that its axis is z. Past joint i the chain then goes on by
     Rz(q_i) L_i with a constant L_i. The base's heading is one more such angle, with its axis
     through the origin of the base's frame. This is written out for the robot
-    (`forward_function`): a lone arm goes through it in plain floats, many as arrays.
+    (`forward_function`): one arm goes through it in plain floats, many as arrays.
 
-    What was worked out last for many arms is kept, as long as nobody can have changed what it was
-    worked out from: in a study, all agents ask for the same.
+    The last result for many arms is kept and returned again for the same read-only arrays: in a
+    study, all agents ask for the same.
     """
 
     def __init__(self, robot: Robot) -> None:
@@ -112,10 +112,12 @@ class Kinematics:
         self._last: tuple[Array, Array, ArmPose] | None = None
 
     def forward(self, q: Array, base: Array | None = None) -> ArmPose:
-        """The arm at the angles `q` (..., n) [rad], in the world.
+        """Return the arm in the world.
 
-        `base` is (..., 3): x, y [m], heading [rad]; None is the same as zeros. Leading dimensions
-        of the two are broadcast.
+        Args:
+            q: (..., n) joint angles [rad].
+            base: (..., 3) x, y [m], heading [rad]; None for zeros. Leading dimensions of the two
+                are broadcast.
         """
         base = _AT_ORIGIN if base is None else base
         if q.ndim == base.ndim == 1:
@@ -128,25 +130,28 @@ class Kinematics:
         return pose
 
     def forward_of_one(self, q: Sequence[float], base: Sequence[float]) -> ArmPose:
-        """The same for a lone arm in plain numbers: its n angles, and three of the base."""
+        """Return the same for one arm in plain numbers: its n angles, and three of the base."""
         return ArmPose(self._of_one(*base, *q), ())
 
     def _forward_of_many(self, q: Array, base: Array) -> ArmPose:
-        """The same for any batch, with each number of all arms in one array."""
+        """Return the same for any batch, with each number of all arms in one array."""
         batch = np.broadcast_shapes(q.shape[:-1], base.shape[:-1])
         place = base.tolist() if base.ndim == 1 else np.moveaxis(base, -1, 0)
         return ArmPose(self._of_many(*place, *np.moveaxis(q, -1, 0)), batch)
 
     @cached_property
     def _of_many(self) -> Forward:
-        """Made when it is needed: an agent in its process never does."""
+        """Compiled when it is needed, which it never is in an agent's process."""
         return forward_function(self._columns, np.cos, np.sin)
 
     def frames(self, q: Array, base: Array | None = None) -> Array:
-        """(..., n + 1, 4, 4): the base's frame and each joint's frame in the world.
+        """Return (..., n + 1, 4, 4): the base's frame and each joint's frame in the world.
 
-        A joint's frame is turned by its angle; `Shape.frame` counts these. Arguments as in
-        `forward`.
+        A joint's frame is turned by its angle; `Shape.frame` counts these.
+
+        Args:
+            q: As for `forward`.
+            base: As for `forward`.
         """
         base = np.zeros(3) if base is None else base
         batch = np.broadcast_shapes(q.shape[:-1], base.shape[:-1])
@@ -160,7 +165,7 @@ class Kinematics:
 
 
 def quaternion(rotation: Array) -> Array:
-    """(..., 4) unit quaternions x, y, z, w with w >= 0 of the rotation matrices (..., 3, 3).
+    """Return (..., 4) unit quaternions x, y, z, w, w >= 0, of rotation matrices (..., 3, 3).
 
     Each column of the symmetric matrix 4 q q^T, whose elements are sums of those of the rotation,
     is a multiple of q; the one with the largest diagonal element is the most exact.
@@ -177,7 +182,7 @@ def quaternion(rotation: Array) -> Array:
 
 
 def _outer_from_rotation() -> Array:
-    """(9, 16), the part of 4 q q^T that is linear in the rotation matrix, both row by row."""
+    """Return (9, 16), what takes a rotation matrix to 4 q q^T - 1, both row by row."""
     linear = np.zeros((3, 3, 4, 4))
     for i in range(3):
         j, k = (i + 1) % 3, (i + 2) % 3
@@ -198,7 +203,7 @@ _AT_ORIGIN.flags.writeable = False
 
 
 def _about_z(angle: Array) -> Array:
-    """(..., 4, 4), a turn about z."""
+    """Return (..., 4, 4), a turn about z."""
     turn = np.zeros((*angle.shape, 4, 4))
     turn[..., 0, 0] = turn[..., 1, 1] = np.cos(angle)
     turn[..., 1, 0] = np.sin(angle)
@@ -208,7 +213,7 @@ def _about_z(angle: Array) -> Array:
 
 
 def _z_onto(axis: Array) -> Array:
-    """(4, 4), a turn that takes z to the unit vector `axis`."""
+    """Return (4, 4), a turn that takes z to the unit vector `axis`."""
     turn = np.eye(4)
     x = np.cross(np.eye(3)[1 if abs(axis[1]) < 0.9 else 2], axis)
     x /= np.linalg.norm(x)

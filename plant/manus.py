@@ -1,4 +1,4 @@
-"""The paper's way of writing postures and places, mapped to ours once, at the edge.
+"""The paper's notation of postures and positions, mapped to ours.
 
 The paper's frame is right-handed and OpenGL-like: x right, y up, -z forward, in centimetres. Its
 Table 1 starts the Manus at 270, 120 and -125 deg with the hand in front of the column. One reading
@@ -25,7 +25,7 @@ START.flags.writeable = False
 
 
 def model_from_manus(degrees: Array) -> Array:
-    """Angles of `arph` [rad] from those that the Manus reports [deg]: (..., n), n at least 3."""
+    """Return angles of `arph` [rad] from those that the Manus reports [deg]: (..., n), n >= 3."""
     q = np.array(degrees, dtype=np.float64)
     forearm = 180.0 - q[..., 2]
     q[..., 0] = _wrapped(q[..., 0] - 270.0)
@@ -35,7 +35,7 @@ def model_from_manus(degrees: Array) -> Array:
 
 
 def manus_from_model(q: Array) -> Array:
-    """What the Manus reports [deg] at the angles of `arph` [rad]: (..., n), n at least 3."""
+    """Return what the Manus reports [deg] at the angles of `arph` [rad]: (..., n), n >= 3."""
     degrees = np.degrees(q)
     forearm = degrees[..., 1] + degrees[..., 2]
     degrees[..., 0] = np.remainder(degrees[..., 0] + 270.0, 360.0)
@@ -45,7 +45,7 @@ def manus_from_model(q: Array) -> Array:
 
 
 def position_from_paper(centimetres: Array) -> Array:
-    """A place or shift [m] in our frame (x forward, y left, z up) from the paper's [cm]: (..., 3).
+    """Return a position or shift (..., 3) [m], x forward, y left, from the paper's [cm].
 
     "Meters" in the paper's Table 1 are read as centimetres.
     """
@@ -54,6 +54,6 @@ def position_from_paper(centimetres: Array) -> Array:
 
 
 def _wrapped(degrees: Array) -> Array:
-    """The same angle from above -180 up to 180 deg."""
+    """Return the same angle in (-180, 180] deg."""
     wrapped: Array = 180.0 - np.remainder(180.0 - degrees, 360.0)
     return wrapped

@@ -1,4 +1,4 @@
-"""What a robot is, to the rest of MSMA: a chain of turning joints, perhaps on a driven platform."""
+"""The description of a robot: a chain of turning joints, perhaps on a driven platform."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -16,7 +16,7 @@ Row = Array | Numbers
 
 
 class RobotError(MsmaError, ValueError):
-    """A robot description that cannot be read or makes no sense."""
+    """A robot description that cannot be read, or that contradicts itself."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +94,7 @@ class Robot:
     Attributes:
         name: As in the description.
         joints: From the base outwards; joint N of the program is `joints[N - 1]`.
-        tip: (4, 4), the grip point seen from the last joint's frame.
+        tip: (4, 4), the tip (grip point) seen from the last joint's frame.
         drive: What moves the base, or None when it is bolted to the world.
         visuals: What to draw.
     """

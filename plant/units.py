@@ -14,7 +14,7 @@ class UnitError(MsmaError, ValueError):
 
 
 class _Kind(NamedTuple):
-    """One kind of quantity: what it is called, what it is written in, and how it may look."""
+    """One kind of quantity: its name, an example, and its units."""
 
     name: str
     example: str
@@ -47,10 +47,15 @@ _QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\
 
 
 def parse_quantity(value: float | int | str, unit: Unit) -> float:
-    """Give `value` in the SI unit `unit`; a number without a unit is taken to be SI already.
+    """Return a quantity as a number.
 
-    Raises `UnitError` for what is no finite number, and for a unit of another kind: the message
-    says which kind was given, which is wanted, and how one is written.
+    Args:
+        value: As people write it; a number without a unit is in SI.
+        unit: The SI unit of the result.
+
+    Raises:
+        UnitError: The value is no finite number, or its unit is of another kind. The message says
+            which kind was given, which is wanted, and how one is written.
     """
     wanted = _KINDS[unit]
     if isinstance(value, bool) or not isinstance(value, float | int | str):

@@ -14,9 +14,8 @@ from pathlib import Path
 
 import numpy as np
 
-from plant.elements import Element, parse
 from plant.robot import Array, Drive, Joint, Robot, RobotError, Shape
-from plant.urdf_parts import axis, by_name, colour, origin, solid
+from plant.urdf_elements import Element, axis, by_name, colour, origin, parse, solid
 
 ROBOTS = Path(__file__).with_name("robots")
 """The folder of the robots that come with MSMA."""
@@ -29,11 +28,16 @@ _ON_THE_AXLE = 1e-3  # how far the base frame may be from the middle of the axle
 
 
 def load(path_or_name: str | Path, tip: str | None = None) -> Robot:
-    """Read a robot: a path to a URDF file, or the bare name of one that comes with MSMA.
+    """Read a robot.
 
-    `tip` is the link whose frame is the grip point; without it, the last link of the longest
-    chain of moving joints. Wheels and what branches off the chain take no part in it.
-    Raises `RobotError`, which names the file, the line and the element, and what would be valid.
+    Args:
+        path_or_name: Path of a URDF file, or the bare name of one that comes with MSMA.
+        tip: The link whose frame is the tip; without it, the last link of the longest chain of
+            moving joints. Wheels and what branches off the chain take no part in it.
+
+    Raises:
+        RobotError: The file cannot be used; the message names the file, the line and the element,
+            and what would be valid.
     """
     path = _find(path_or_name)
     try:
@@ -140,7 +144,7 @@ class _Tree:
         return roots[0]
 
     def _chain(self, link: str) -> list[str]:
-        """The names of the joints from the root to that link."""
+        """Return the names of the joints from the root to that link."""
         if link not in self.links:
             valid = ", ".join(self.links)
             raise self.element.error(
@@ -203,7 +207,7 @@ class _Tree:
         )
 
     def _wheel(self, drive: Element, side: str) -> str:
-        """The name of that wheel's joint."""
+        """Return the name of that wheel's joint."""
         wheel = drive.text(f"{side}_wheel", "differential_drive")
         if wheel not in self.joints or self._kind(wheel) != "continuous":
             raise drive.error(
@@ -243,7 +247,7 @@ class _Tree:
         raise link.error(f"wheel '{wheel}': it needs a cylinder or sphere as its geometry")
 
     def _place(self, link: str) -> Array:
-        """(4, 4), the link seen from the root with every joint at 0."""
+        """Return (4, 4), the link seen from the root with every joint at 0."""
         return self._product(self._chain(link))
 
     def _product(self, chain: list[str]) -> Array:

@@ -97,7 +97,7 @@ class ArmAgents:
             readings = plant.read()
             percepts = Percepts.of(readings, goal)
             if self._commanded is None:  # at rest; the first tick is always due for one
-                self._commanded = np.zeros(np.shape(readings.q))
+                self._commanded = np.zeros_like(readings.q)  # laid out by joint
         velocities = np.array(self._commanded)
         for i in due:
             loss = self._meeting.loss
