@@ -19,7 +19,7 @@ from bench.usage import Meter, Usage, lives
 
 ROOT = Path(__file__).parents[2]
 _POLL = 0.5  # [s]
-SPARE = 10.0
+SPARE = 30.0
 """Time allowed for starting, and for evaluation [s]."""
 
 

@@ -32,7 +32,11 @@ def test_ten_runs_with_random_faults_of_any_process_all_reach_the_goal(robot: Ro
     assert robot.processes() == {}
     folder, said = report(robot)
     assert said["reached"] == 10
-    assert all(1 <= len(run["impact"]["faults"]) <= 3 for run in said["runs"])
+    for run in said["runs"]:
+        assert len(run["chaos"]) >= 1
+        # on a busy machine a watcher may start too late to be hit
+        least = any(fault.split()[1].partition("@")[0] != "watcher" for fault in run["chaos"])
+        assert least <= len(run["impact"]["faults"]) <= 3
     assert said["interval"] == pytest.approx([0.722, 1.0], abs=0.001)
     assert (folder / "chaos.md").read_text().startswith(f"# Chaos: {robot.name}, 10 runs")
     assert {path.parent for path in folder.glob("*/plant.jsonl")} == {

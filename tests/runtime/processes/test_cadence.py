@@ -77,7 +77,8 @@ def answers_of(
     agent: Counts, processes: ProcessGroup, period: str, count: int
 ) -> list[JointCommand]:
     """What an agent tells a plant that moves, of so many answers."""
-    ring = processes.visit().ring(topics.joint_command(1), depth=4000)
+    visitor = processes.visit()
+    ring = visitor.ring(topics.joint_command(1), depth=4000)
     said: list[JointCommand] = []
 
     def heard() -> bool:
@@ -85,9 +86,7 @@ def answers_of(
         return len(said) >= count
 
     def looks() -> None:
-        wait_for(
-            lambda: processes.diag(processes.visit(), "plant"), "the plant, whose time stands still"
-        )
+        wait_for(lambda: processes.diag(visitor, "plant"), "the plant, whose time stands still")
         agent.silent = False  # what wants nothing yet is asked again, though no time has passed
         wait_for(heard, "answers")
 

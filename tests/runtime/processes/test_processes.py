@@ -118,7 +118,8 @@ def test_a_second_process_in_the_same_role_is_told_that_its_port_is_taken(
     processes: ProcessGroup,
 ) -> None:
     processes.start("joint/1")
-    wait_for(lambda: processes.diag(processes.visit(), "joint/1"), "it to be there")
+    bus = processes.visit()
+    wait_for(lambda: processes.diag(bus, "joint/1"), "it to be there")
     processes.start("joint/1")
     code, said = processes.result("joint/1")
     assert code == 2

@@ -40,7 +40,7 @@ def test_copies_are_on_other_hosts_where_there_are_any() -> None:
     ("text", "says"),
     [
         ("copies: 0", "copies: 0 must be at least 1, such as 2"),
-        ("host: [arm, base]", "host: 2 hosts for 1 of it; say copies: 2"),
+        ("host: [arm, base]", "host: 2 hosts but copies: 1; set copies: 2"),
         ("host: [arm, moon], copies: 2", "host.1: there is no host 'moon'"),
     ],
 )

@@ -1,6 +1,7 @@
 """ConnectionLog of every kind, on every key, at a launched robot that is closed to them."""
 
 import random
+import re
 import socket
 import ssl
 import subprocess
@@ -34,7 +35,7 @@ Tables = Mapping[str, Mapping[str, Mapping[str, int]]]
 """Role to key to reason to how many were refused."""
 
 
-def attack(bus: Bus, spared: set[str], seconds: float) -> None:
+def attack(bus: Bus, spared: set[str], count: int) -> None:
     """Say all that a robot can be told, give every order and answer in place of others."""
     for key in (topics.stop("**"), topics.stop("plant"), topics.FAULT):
         answers = bus.ask(key, b"joint/1:locked", timeout=0.5)
@@ -44,9 +45,7 @@ def attack(bus: Bus, spared: set[str], seconds: float) -> None:
     for key in (topics.FAULT, topics.stop("joint/1"), topics.diag("plant"), topics.diag("joint/1")):
         bus.answer(key, lambda _: b"stranger")
     publisher = bus._session.declare_publisher(topics.joint_command(1))
-    until, n = time.monotonic() + seconds, 0
-    while time.monotonic() < until:
-        n += 1
+    for n in range(count):
         messages: dict[str, Message] = samples(n)
         for key in set(messages) - spared:
             bus._session.put(key, pack(messages[key]))
@@ -66,7 +65,7 @@ class Siege:
         authority = Authority(robot.name, 10)
         self.keys = folder / "keys"
         write_keys(self.keys, authority, [*names(ROLES), "nobody"], [LOOPBACK])
-        options = ("--speed", "1.5", "--duration", "16s", "--set", f"security.keys={self.keys}")
+        options = ("--speed", "1.5", "--duration", "24s", "--set", f"security.keys={self.keys}")
         launcher = robot.launch(*options, file="arph-secure.yaml")
         robot.until(1.0)
         with ExitStack() as self._stack:
@@ -91,8 +90,8 @@ class Siege:
         observer = self._bus(self._mesh.visitor(), operator)
         seen = observer.sample_queue("**")
         for bus in self.outsiders.values():
-            attack(bus, set(), 0.2)
-        attack(insider, {*topics.STANDARD.keys_of(INSIDER), topics.alive(INSIDER, BY)}, 0.5)
+            attack(bus, set(), 20)
+        attack(insider, {*topics.STANDARD.keys_of(INSIDER), topics.alive(INSIDER, BY)}, 50)
         self.seen = [(arrival.key, arrival.data) for _, arrival in seen.take()]
         self.alive = observer.who_is_alive()
         self.overheard = {kind: _strange(kind, ring) for kind, ring in rings.items()}
@@ -139,7 +138,12 @@ class Siege:
         def look() -> Tables:
             tables: Tables = {diag.role: diag.refused for diag in diags(observer)}
             counted = [
-                {(key, reason) for key, reasons in table.items() for reason in reasons}
+                {
+                    (key, reason)
+                    for key, reasons in table.items()
+                    for reason, number in reasons.items()
+                    if key != ACCESS_LIST or number > 10
+                }
                 for table in tables.values()
             ]
             return tables if len(tables) == len(ROLES) and all(map(wanted.__le__, counted)) else {}
@@ -239,18 +243,22 @@ def test_no_process_and_no_file_is_left(siege: Siege) -> None:
 
 
 def test_a_robot_that_is_open_obeys_the_same_stranger(robot: Robot) -> None:
-    launcher = robot.launch("--duration", "4s", "--speed", "2")
+    launcher = robot.launch("--duration", "8s", "--speed", "2")
     robot.until(0.5)
     mesh = on_loopback(port_base(robot.name), len(ROLES))
     with Bus(robot.name, "a stranger", mesh.copy_seat(FIRST_COPY, LOOPBACK), 1) as bus:
-        until, n = time.monotonic() + 15, 0
-        while robot.t < 3.5 and time.monotonic() < until:
+        n = 0
+        while robot.t < 7.0 and launcher.poll() is None:
             n += 1
             for key, message in samples(n).items():
                 bus._session.put(key, pack(message))
             time.sleep(0.02)
     launcher.communicate(timeout=RUN_DEADLINE)
     assert launcher.returncode == 3
+
+
+NOT_TLS = re.compile(r": \d+ not TLS$")
+"""What is refused of tools that look for the robots on this machine, which may be other tests'."""
 
 
 def tool(robot: Robot) -> Callable[..., subprocess.CompletedProcess[str]]:
@@ -274,7 +282,8 @@ def test_all_tools_work_by_the_operator_s_certificate(robot: Robot, tmp_path: Pa
     assert msma("revive", "joint/2").returncode == 0
     status = msma("status").stdout
     assert [line.split()[0] for line in status.splitlines()[2 : 2 + len(ROLES)]] == ROLES
-    assert REJECTED_CONNECTIONS not in status
+    refused = [line for line in status.splitlines() if REJECTED_CONNECTIONS in line]
+    assert [line for line in refused if not NOT_TLS.search(line)] == []
     assert "runs already" in msma("doctor").stdout
     said = robot.tool("status")
     assert (said.returncode, said.stdout) == (1, "")
