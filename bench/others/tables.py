@@ -131,7 +131,7 @@ def notes(versions: Mapping[str, str], failures: Sequence[str]) -> tuple[str, ..
         f"Compared: {installed or 'none'}, each in an environment of its own, from PyPI.",
         *failures,
         f"All systems but {OURS} only echo: a plant publishes three states a tick, a goal source "
-        "its goal, and seven agents answer. Each is a process, and messages are as large as MSMA's. "
+        "its goal, and seven agents answer. Each is a process; messages are as large as MSMA's. "
         f"The same stopwatch measures all of them. {OURS} also decides: it moves the robot.",
         "Each run starts all processes anew; the systems take turns. Times are medians over the "
         "runs, max is the largest of all, ratios are of the same round (minimum to maximum).",
