@@ -12,18 +12,18 @@ from runtime.wire import topics
 
 
 class Watched(AnswerTimes):
-    """Notes each tick told and each answer heard, exactly."""
+    """Keeps each state that is published and each answer, exactly."""
 
     def __init__(self, ticks: Ticks, period: float) -> None:
         super().__init__()
         self._ticks, self._step = ticks, period
 
-    def told(self, t: float, now: float) -> None:
-        """The state of plant time `t` [s] was told `now` [s]."""
+    def sent(self, t: float, now: float) -> None:
+        """Note that the state of plant time `t` [s] was published `now` [s]."""
         self._ticks.sent(round(t / self._step), now)
 
-    def heard(self, role: str, t: float, now: float) -> None:
-        """An answer of `role` to the state of `t` [s] arrived `now` [s]."""
+    def answered(self, role: str, t: float, now: float) -> None:
+        """Note that the answer of a role to the state of `t` [s] arrived `now` [s]."""
         self._ticks.answered(role, round(t / self._step), now)
 
 
