@@ -1,4 +1,4 @@
-"""An agent's process: perceive, decide, tell; as often as the plant tells its state."""
+"""An agent's process: it perceives, decides and answers each state of the plant."""
 
 import threading
 import time
@@ -44,12 +44,11 @@ def _topics_of(sees: frozenset[str], deployment: Deployment) -> list[Topic]:
 
 
 class AgentNode(Node):
-    """Sends an agent's command each time the plant has told its state.
+    """Sends an agent's command for each state of the plant.
 
-    The agent is asked to decide as often as that is of use (`Agent.rest`); in between its command
-    stays what it is, and is told again: so the plant knows that somebody still wants it, and a
-    stand-by need not take over. What the agent gets wrong (an exception, no finite numbers) is
-    counted and logged once of each kind, and nothing is sent.
+    The agent decides no more often than its `rest`; in between its last command is repeated, so
+    that the plant knows it is alive and no standby takes over. Errors of the agent (an exception,
+    numbers that are not finite) are counted, logged once of each kind, and nothing is sent.
     """
 
     def __init__(self, process: Process, agent: Agent) -> None:
@@ -68,7 +67,7 @@ class AgentNode(Node):
         self._backlog = Backlog(deployment.period, deployment.speed)
         self._pause = _PAUSE * deployment.period / deployment.speed
         self._cadence = Cadence(agent.rest, apart(deployment.slot(process.role)))
-        self._tells_first = agent.rest > deployment.period
+        self._answers_first = agent.rest > deployment.period
         self._wanted: tuple[float, ...] | None = None  # speeds
         self._decided_at, self._good = 0.0, agent.rest / REST  # when, and for how long [s]
         self._done, self._paused = 0.0, False
@@ -84,12 +83,12 @@ class AgentNode(Node):
         self._out = bus.publisher(
             topics.PLATFORM_COMMAND if joint is None else topics.joint_command(joint + 1)
         )
-        self._board = bus.on_sample(board, self._perceive, silence, self._think)
+        self._board = bus.on_sample(board, self._perceive, silence, self._decide_later)
         self._perceiving = threading.Lock()
 
     @property
     def perception(self) -> str:
-        """What the agent says it goes by."""
+        """What the agent perceives the hand by, in its own words."""
         return str(self._agent.perception)
 
     def run(self, context: Context) -> None:
@@ -97,9 +96,9 @@ class AgentNode(Node):
         self._board.run()
 
     def _perceive(self, arrivals: Sequence[Sample], now: float) -> None:
-        """Take what came, and answer if it calls for that and no newer state waits behind it.
+        """Accept messages, and answer if one calls for it and no newer state waits behind it.
 
-        If nothing came for a while it looks for what else there may be to go by.
+        After a while without any, look for other messages to act on.
         """
         self._paused = self._paused or now - self._done > self._pause
         due = False
@@ -115,15 +114,15 @@ class AgentNode(Node):
         self._done = time.monotonic()
 
     def _answer(self, now: float) -> None:
-        """Tell what is wanted.
+        """Send the command.
 
-        Where states come more often than new decisions are of use, that is what was decided last,
-        and the other thread thinks meanwhile: so no state waits for a thought. What was decided is
-        good for the horizon it was decided for: an agent that is stuck in a thought falls silent.
+        If states come more often than decisions, that is the last decision, and another thread
+        decides meanwhile, so that no state waits for a decision. A decision is valid for its
+        horizon: an agent that is stuck in a decision falls silent.
         """
         t = self._senses.t
         due = self._cadence.due(t) or self._wanted is None
-        if due and not self._tells_first:
+        if due and not self._answers_first:
             t = self._decide(now, t)
         self._process.t = t
         if self._process.life:
@@ -131,14 +130,14 @@ class AgentNode(Node):
         wanted = self._wanted
         if wanted is not None and t - self._decided_at <= self._good:
             self._out.send(self._command(t, *wanted))
-        if due and self._tells_first:
+        if due and self._answers_first:
             self._board.defer()
 
-    def _think(self) -> None:
+    def _decide_later(self) -> None:
         self._decide(time.monotonic(), self._senses.t)
 
     def _decide(self, now: float, t: float) -> float:
-        """Decide what is wanted, and return the moment [s] that this is an answer to."""
+        """Decide, and return the plant time of the state that this answers [s]."""
         percepts = self._percepts(now)
         if percepts is None:
             self._wanted = None
@@ -169,7 +168,7 @@ class AgentNode(Node):
                 return self._sound((), (decided,))
             wanted = np.asarray(decided, dtype=np.float64)
             return self._sound(wanted.shape, tuple(wanted.ravel().tolist()))
-        except Exception as error:  # an agent may be anybody's
+        except Exception as error:  # it may be a user's agent
             self._process.refusals.count("decide", type(error).__name__, traceback.format_exc())
             return None
 

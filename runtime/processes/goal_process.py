@@ -1,4 +1,4 @@
-"""The goal source: it tells which piece of its path is in force, by the plant's time."""
+"""The goal source: it publishes the path piece that is in force, by plant time."""
 
 import time
 

@@ -1,1 +1,1 @@
-"""What travels between processes: keys, messages, the bus, and who is obeyed."""
+"""The bus between processes: topics, messages, arbitration, and the Zenoh session."""

@@ -1,7 +1,7 @@
-"""Who may do what on the bus, by the name in a certificate: mutual TLS, and an access list.
+"""Rights on the bus by the name in a certificate: mutual TLS and an access list.
 
-Each process enforces the list on what comes in, so that nothing is relied on that another one
-should have refused. All rights are those of a name; copies of a role share its certificate.
+Each process enforces the list on incoming messages, so it does not depend on others to refuse
+them. All rights are those of a name; copies of a role share its certificate.
 """
 
 from collections.abc import Sequence
@@ -12,7 +12,7 @@ from runtime.wire import topics
 from runtime.wire.topics import STANDARD, Contract
 
 OPERATOR = "operator"
-"""The name in the certificate of who commands the robot: the launcher and all tools."""
+"""The name in the certificate of operators: the launcher and all tools."""
 
 _READ = ("declare_subscriber", "liveliness_query", "declare_liveliness_subscriber")
 _ALL = (*_READ, "put", "query", "reply", "declare_queryable", "liveliness_token")
@@ -79,12 +79,12 @@ def encryption(credentials: Credentials) -> dict[str, Any]:
 def access_list(robot: str, roles: Sequence[str], contract: Contract = STANDARD) -> dict[str, Any]:
     """Return Zenoh's access control of a robot with these roles and topics.
 
-    Nothing is allowed but this. To everybody with a name goes what he asks for. Of what comes:
+    Only this is allowed. All names may receive what they subscribe to. Of incoming messages:
 
-    - all may listen, see who is alive, and ask how others are;
-    - a role may put on the keys that are its own by the wire contract, be seen alive as itself,
-      and answer what itself is asked;
-    - operators may ask for anything below `ctl`, and lead the goal.
+    - all names may subscribe, see liveliness tokens, and query diagnostics;
+    - a role may publish its own topics by the wire contract, declare its own liveliness token,
+      and answer queries to itself;
+    - operators may query anything below `ctl`, and publish the goal.
 
     A rule covers a message if its keys include all of the message's, so a wildcard that reaches
     beyond one's own keys is refused whole. Zenoh sees keys below the robot's name.

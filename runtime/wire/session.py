@@ -1,9 +1,9 @@
-"""How a process's Zenoh session is set up: what held when others were killed, stopped and cut off.
+"""The configuration of a process's Zenoh session, robust to killed, hung and disconnected peers.
 
-It dials and listens where its place says and nowhere else: no multicast, no gossip, and no router
-unless the user has one, through which all goes then.
-Where certificates are asked for it speaks TLS: of QUIC, which Zenoh has too, the others notice
-only after a lease that a process was killed, and an answer takes twice as much longer.
+It connects and listens at its endpoints and nowhere else: no multicast, no gossip, and no router
+unless the user has one, which then carries all traffic. With certificates it uses TLS: with QUIC,
+which Zenoh offers too, peers notice a killed process only after a lease, and it adds twice the
+latency.
 """
 
 import json
@@ -35,17 +35,17 @@ class _Timeouts(NamedTuple):
 
 _ONE_HOST = _Timeouts(lease=250, open=1000, pause=500)
 _SEVERAL_HOSTS = _Timeouts(lease=600, open=500, pause=100)
-"""With other hosts a packet may be lost twice, which costs 0.4 s; to connect anew costs more."""
+"""Between hosts a packet may be lost twice, which costs 0.4 s; reconnecting costs more."""
 
 
 _TLS_OPEN = 1000
-"""Certificates take a busy machine long to check, and to give up amid that may never be mended:
-Zenoh can then take a connection for there that is not, until one of the two processes ends."""
+"""Checking certificates takes long on a busy machine, and a timeout during that may be permanent:
+Zenoh can then consider a connection open that is not, until one of the two processes ends."""
 _BATCH = 2048
-"""The most that goes at once [bytes]: twice what the plant tells of a moment. By default Zenoh has
-64 KiB, and makes so much anew, all zeros, for each packet while the one before is still held."""
+"""Largest batch [bytes]: twice the plant's messages of one moment. By default Zenoh has 64 KiB, and
+allocates and zeroes that much for each packet while the previous one is still in use."""
 _RARELY = 2000
-"""Pause [ms] at most before dialling anew where copies may be: 32 places of each host."""
+"""Longest pause between attempts to connect to the 32 slots for copies on each host [ms]."""
 
 
 def config(
@@ -54,7 +54,7 @@ def config(
     """Return the session's configuration, and set up the threads that it will have.
 
     Without a robot's name, keys are those of all robots, each below its robot's name. Without
-    credentials, everybody may do everything.
+    credentials, everyone has all rights.
     """
     provide_threads(place.elsewhere)
     timeouts = _SEVERAL_HOSTS if place.elsewhere else _ONE_HOST

@@ -1,9 +1,8 @@
-"""Who came, and who was turned away before any of our code saw a message: by what Zenoh says of it.
+"""Connections, and refusals by Zenoh before any of our code saw a message, from Zenoh's log.
 
-Zenoh tells it in its log alone, which it can write nowhere but to file descriptor 1. So that
-becomes a file without a name, which is looked through now and then: nobody who knocks, however
-often, makes anybody wait, and nothing is left of it. Python's own output goes where it went; what
-else comes to that file is passed on.
+Zenoh reports them only in its log, which it writes to file descriptor 1. So that becomes an unnamed
+file, which is read now and then: no number of attempts to connect delays this process, and no file
+remains. Python's own output goes where it went; other output to that file is passed on.
 """
 
 import fcntl
@@ -22,27 +21,27 @@ from runtime.wire.refusals import Refusals
 from runtime.wire.zenoh_internals.features import Internal, uses
 
 REJECTED_CONNECTIONS = "(strangers)"
-"""Stands, among the keys that refusals are counted by, for who could not connect."""
+"""Stands for refused connections among the keys of refusals."""
 ACCESS_LIST = "(access list)"
-"""Stands for what came from somebody who may connect, and may not do that."""
+"""Stands for messages without the right to send them, over accepted connections."""
 
 _LOGGED = (
     "off",
-    "zenoh_link_tls=debug",  # it names who has connected
+    "zenoh_link_tls=debug",  # has the names of peers
     "zenoh::net::routing::interceptor=trace",  # a line for each message that is dropped
-    "zenoh::net::routing::interceptor::access_control=info",  # its trace tells of all others too
+    "zenoh::net::routing::interceptor::access_control=info",  # trace has allowed ones too
 )
 _COLOURS = re.compile(rb"\x1b\[[0-9;]*m")
 _LINE = re.compile(rb"\S+Z +([A-Z]+) .*?(zenoh[a-z_:]*): (.*)")
 _JOINED = re.compile(rb"Accepted TLS connection on \S+: (\S+)\. Common Name: (.*)\.")
 _LINKS, _RULES = b"zenoh_link_tls", b"zenoh::net::routing::interceptor"
 _OURS = (_LINKS, _RULES)
-_HINT = " Hint: increase the system open file limit."  # which it gives to all failures
+_HINT = " Hint: increase the system open file limit."  # which it adds to all failures
 _LARGE = 1 << 20  # bytes, after which the file is emptied
 
 
 class Rejection(StrEnum):
-    """Why somebody was turned away; the value is what people read."""
+    """Why a connection or message was refused; the value is for people."""
 
     NOT_TLS = "not TLS"
     NO_CERTIFICATE = "no certificate"
@@ -82,7 +81,7 @@ class ConnectionLog:
         if not self._on:
             return
         self._refusals, self._joined = refusals, joined
-        self._all = "RUST_LOG" in os.environ  # somebody wants to read it
+        self._all = "RUST_LOG" in os.environ  # the user wants to read it
         self._rest = b""
         self._read = 0
         self._stdout = sys.stdout
@@ -90,7 +89,7 @@ class ConnectionLog:
         self._out = os.dup(1)
         encoding, errors = self._stdout.encoding, self._stdout.errors
         sys.stdout = os.fdopen(os.dup(1), "w", encoding=encoding, errors=errors)
-        self._log = _file_without_a_name()
+        self._log = _unnamed_file()
         os.dup2(self._log, 1)
         zenoh.init_log_from_env_or(",".join(_LOGGED))
 
@@ -118,7 +117,7 @@ class ConnectionLog:
                     continue
                 if joined := _JOINED.fullmatch(match[3]):
                     self._joined(*(part.decode(errors="replace") for part in joined.groups()[::-1]))
-                elif why := _turned_away(*match.groups()):
+                elif why := _rejection(*match.groups()):
                     found[
                         ACCESS_LIST if why is Rejection.NOT_ALLOWED else REJECTED_CONNECTIONS, why
                     ] += 1
@@ -131,7 +130,7 @@ class ConnectionLog:
         self._pass_on(b"".join(others))
 
     def _pass_on(self, data: bytes) -> None:
-        with suppress(OSError):  # nobody reads any more
+        with suppress(OSError):  # the reader has gone
             while data:
                 data = data[os.write(self._out, data) :]
 
@@ -149,8 +148,8 @@ class ConnectionLog:
         os.close(self._log)
 
 
-def _turned_away(level: bytes, target: bytes, said: bytes) -> Rejection | None:
-    """Return why somebody was turned away, by a line of Zenoh's log; None if that tells nothing."""
+def _rejection(level: bytes, target: bytes, said: bytes) -> Rejection | None:
+    """Return the reason in a line of Zenoh's log; None if it is about something else."""
     if target.startswith(_LINKS) and level in (b"WARN", b"ERROR"):
         return next((why for sign, why in _OF_LINKS if sign in said), Rejection.OTHER)
     if target.startswith(_RULES):
@@ -158,7 +157,7 @@ def _turned_away(level: bytes, target: bytes, said: bytes) -> Rejection | None:
     return None
 
 
-def _file_without_a_name() -> int:
+def _unnamed_file() -> int:
     """Return a file that appends, in memory where the system has that."""
     if not hasattr(os, "memfd_create"):
         import tempfile  # which imports as much again as all that this module does

@@ -1,4 +1,4 @@
-"""Connections that are closed let nobody wait: Zenoh asks for the opposite, and has no setting."""
+"""Removal of SO_LINGER from Zenoh's connections, for which Zenoh has no setting."""
 
 import os
 import socket
@@ -12,26 +12,26 @@ _OFF = struct.pack("ii", 0, 0)
 
 
 def disable_linger() -> int:
-    """Let all connections of this process be closed at once from now on; return how many did not.
+    """Remove SO_LINGER from all connections of this process; return how many had it.
 
-    Zenoh sets SO_LINGER on its connections, and closes them in the thread that all its messages go
-    through. So one that is given up, since the other end hangs or a cable was pulled, holds up
-    those to everybody else until the other computer has acknowledged the end: 40 ms where it has
-    time to, 10 s where it does not answer any more. Without, the system sees to that alone.
+    Zenoh sets it, and closes connections in the thread that all its messages go through. So closing
+    one whose other end hangs or is cut off blocks all others until the other computer acknowledges
+    the end: 40 ms if it is busy, 10 s if it no longer answers. Without it the system does that in
+    the background.
 
-    To be called now and then, for Zenoh connects when it likes. It takes 0.1 ms.
+    Call it now and then, since Zenoh connects at any time. It takes 0.1 ms.
     """
     if not uses(Internal.LINGER):
         return 0
     lingered = 0
     for name in os.listdir(_FOLDER):
-        with suppress(OSError):  # it is no connection, or closed by now
-            lingered += _let_go(int(name))
+        with suppress(OSError):  # it is not a connection, or closed by now
+            lingered += _remove_linger(int(name))
     return lingered
 
 
-def _let_go(number: int) -> bool:
-    """Do so for a file descriptor that stays its owner's; `OSError` if it is no connection's."""
+def _remove_linger(number: int) -> bool:
+    """Do so for a file descriptor; raise `OSError` if it is not a connection."""
     connection = socket.socket(socket.AF_INET, socket.SOCK_STREAM, fileno=number)
     try:
         lingers = connection.getsockopt(socket.SOL_SOCKET, socket.SO_LINGER, 8)
