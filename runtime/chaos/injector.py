@@ -7,17 +7,19 @@ import time
 from collections.abc import Callable
 from typing import Protocol
 
+from plant.errors import MsmaError
 from runtime.chaos.schedule import Due
 from runtime.config.chaos import LAUNCHER, WATCHER, ChaosEvent
 from runtime.config.deployment import Deployment
 from runtime.config.tree import ConfigError
 from runtime.errors import RunError
 from runtime.processes.log_writer import LogWriter
-from runtime.spawning.local import ProcessGroup
+from runtime.watching.control import Control
 from runtime.watching.local import watchers
 from runtime.watching.watcher import Watcher
 
-_ANSWER = 0.5  # [s] to wait for the answer to a request
+ANSWER = 0.5
+"""How long a request of chaos waits for its answer [s]: other events may be due."""
 
 
 class Network(Protocol):
@@ -43,16 +45,25 @@ def check_means(deployment: Deployment, network: Network | None) -> None:
 class FaultInjector:
     """Carries out what a schedule says is due.
 
-    log: gets a line for each thing that was done, with the plant time of `watcher`
-    show: is told what others log as well, by a text for people
-    happened: is told what nobody else logs
-    start_successor: called with plant time [s] before the launcher, if this is it, kills itself
+    Args:
+        deployment: What runs.
+        control: Acts on the processes and the plant.
+        watcher: Tells the plant time for the log.
+        log: Gets a line for each event.
+        show: Shows people a text; what happened is logged elsewhere too.
+        happened: Shows people a text, and logs it.
+        start_successor: Called with plant time [s] before the launcher, if this is it, kills
+            itself.
+        network: Carries out events between hosts.
+
+    Attributes:
+        hung: The processes that hang because of an event, until it is over.
     """
 
     def __init__(
         self,
         deployment: Deployment,
-        children: ProcessGroup,
+        control: Control,
         watcher: Watcher,
         log: LogWriter,
         *,
@@ -62,9 +73,9 @@ class FaultInjector:
         network: Network | None = None,
     ) -> None:
         self._deployment = deployment
-        self._children, self._watcher, self._network = children, watcher, network
-        self._bequeath = start_successor
-        self._journal, self._show, self._happened = log, show, happened
+        self._control, self._watcher, self._network = control, watcher, network
+        self._start_successor = start_successor
+        self._log, self._show, self._happened = log, show, happened
         self.hung: dict[ChaosEvent, list[int]] = {}
 
     def carry_out(self, due: Due) -> None:
@@ -75,8 +86,8 @@ class FaultInjector:
         elif due.over:
             self._resume(event)
         elif event.kill is not None:
-            if event.kill == LAUNCHER and self._bequeath is not None:
-                self._bequeath(due.at)
+            if event.kill == LAUNCHER and self._start_successor is not None:
+                self._start_successor(due.at)
             self._kill(event.kill)
         elif event.hang is not None:
             self._hang(event, event.hang)
@@ -93,7 +104,7 @@ class FaultInjector:
             self._happened(f"{role} is not there to be killed")
             return
         self._note("kill", role, pids=pids)
-        self._send(role, pids, signal.SIGKILL)
+        self._send(self._control.kill, role, pids, signal.SIGKILL)
 
     def _hang(self, event: ChaosEvent, role: str) -> None:
         pids = self._pids(role)
@@ -103,17 +114,19 @@ class FaultInjector:
         lasting = "" if event.for_ is None else f" for {event.for_:g} s"
         self._happened(f"{role} hangs{lasting}")
         self._note("hang", role, pids=pids)
-        if os.getpid() in pids and event.for_ is not None:  # who hangs cannot wake itself
+        if (
+            os.getpid() in pids and event.for_ is not None
+        ):  # a process that hangs cannot resume itself
             waking = f"sleep {event.for_ / self._deployment.speed:f}; kill -CONT {os.getpid()}"
             subprocess.Popen(["sh", "-c", waking], start_new_session=True)
         else:
             self.hung[event] = pids
-        self._send(role, pids, signal.SIGSTOP)
+        self._send(self._control.hang, role, pids, signal.SIGSTOP)
 
     def _revive(self, role: str) -> None:
         called = round(time.time(), 6)  # starting it is a part of what its return takes
         try:
-            pid = self._children.revive(role, self._deployment.host_of(role))
+            pid = self._control.revive(role, self._deployment.host_of(role))
         except RunError as error:
             self._happened(f"{role} cannot be started again: {error}")
         else:
@@ -125,46 +138,51 @@ class FaultInjector:
         if not pids:
             return
         self._note("wake", event.target, pids=pids)
-        self._send(event.target, pids, signal.SIGCONT)
+        self._send(self._control.resume, event.target, pids, signal.SIGCONT)
         self._happened(f"{event.target} goes on")
 
-    def _send(self, role: str, pids: list[int], number: signal.Signals) -> None:
+    def _send(
+        self,
+        act: Callable[[str, list[int]], None],
+        role: str,
+        pids: list[int],
+        number: signal.Signals,
+    ) -> None:
+        """Act on processes; the launcher and the watchers are not among those of `Control`."""
         if role == LAUNCHER:
             os.kill(os.getpid(), number)
-            return
-        if role == WATCHER:
+        elif role == WATCHER:
             for watcher in watchers(self._deployment.robot):
                 watcher.send(number)
-            return
-        for pid in pids:
-            self._children.send(role, pid, number)
+        else:
+            act(role, pids)
 
     def _note(self, action: str, target: str, **more: object) -> None:
-        """Log what is about to be done, at once: who does it may be the next to go."""
+        """Log what is about to be done, at once: this process may be the next one to end."""
         t = self._watcher.look().t
-        self._journal.write(t, "chaos", action=action, target=target, **more)
-        self._journal.flush()
+        self._log.write(t, "chaos", action=action, target=target, **more)
+        self._log.flush()
 
     def _pids(self, role: str) -> list[int]:
         """Return the process of a role, of copies the one that is obeyed; none if it is gone."""
         if role == LAUNCHER:
-            return [] if self._bequeath is None else [os.getpid()]
+            return [] if self._start_successor is None else [os.getpid()]
         if role == WATCHER:
             return [watcher.pid for watcher in watchers(self._deployment.robot)]
-        return self._children.obeyed(role)
+        return self._control.processes_of(role)
 
     def _stop(self, role: str) -> None:
-        heard = self._watcher.stop(role, _ANSWER)
-        self._happened(f"{role} {'is asked to stop' if heard else 'does not hear of a stop'}")
+        asked = self._control.stop(role)
+        self._happened(f"{role} {'is asked to stop' if asked else 'does not answer to a stop'}")
 
     def _break(self, fault: str) -> None:
-        answers = self._watcher.fault(fault, _ANSWER)
-        if answers and answers[0].agreed:
+        try:
+            self._control.fault(fault)
+        except MsmaError as error:
+            self._happened(f"no fault {fault}: {error}")
+        else:
             self._note("fault", fault)
             self._show(f"fault {fault}")
-        else:
-            why = answers[0].data.decode(errors="replace") if answers else "no plant heard it"
-            self._happened(f"no fault {fault}: {why}")
 
     def _to_network(self, event: ChaosEvent, over: bool) -> None:
         if self._network is None:

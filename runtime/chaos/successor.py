@@ -4,12 +4,11 @@ Run as `python -m runtime.chaos.successor RUN T`: what is due after plant time T
 """
 
 import secrets
-import signal
 import sys
 import time
 from pathlib import Path
 
-from runtime.chaos.injector import FaultInjector
+from runtime.chaos.injector import ANSWER, FaultInjector
 from runtime.chaos.schedule import Schedule
 from runtime.config.deployment import Deployment, load
 from runtime.processes.lifetime import Lifetime
@@ -18,6 +17,7 @@ from runtime.results.logs import read_log
 from runtime.spawning.identity import start_line
 from runtime.spawning.local import LocalProcesses
 from runtime.spawning.tasks import spawn
+from runtime.watching.control import Control
 from runtime.watching.table import say
 from runtime.watching.watcher import Watcher
 from runtime.wire.bus import Bus
@@ -40,11 +40,12 @@ def inherit(run: Path, t: float) -> None:
     log = LogWriter(run, "successor")
     log.write(t, "start", **start_line("successor", deployment.robot, run))
     log.flush()
-    children = LocalProcesses(run)
+    processes = LocalProcesses(run)
     place, credentials = deployment.mesh.visitor(), deployment.credentials(OPERATOR)
     with Bus(deployment.robot, "successor", place, secrets.randbits(63), credentials) as bus:
         watcher = Watcher(bus)
-        injector = FaultInjector(deployment, children, watcher, log, show=say, happened=say)
+        control = Control(bus, processes, ANSWER)
+        injector = FaultInjector(deployment, control, watcher, log, show=say, happened=say)
         for event in begun:
             if event.hang is not None:
                 injector.hung[event] = _hung(run, event.hang)
@@ -52,8 +53,7 @@ def inherit(run: Path, t: float) -> None:
             _stay(deployment, schedule, watcher, injector)
         finally:
             for event, pids in injector.hung.items():
-                for pid in pids:  # no other process would end one that hangs
-                    children.send(event.target, pid, signal.SIGKILL)
+                control.kill(event.target, pids)  # nothing else would end what hangs
             log.close()
 
 

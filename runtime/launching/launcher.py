@@ -10,7 +10,7 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from runtime.chaos.injector import FaultInjector, Network, check_means
+from runtime.chaos.injector import ANSWER, FaultInjector, Network, check_means
 from runtime.chaos.schedule import Schedule
 from runtime.chaos.successor import start_successor
 from runtime.config.chaos import ChaosEvent
@@ -22,6 +22,7 @@ from runtime.spawning.escalation import ALL_MEANS, FORCE, Escalation, Means, end
 from runtime.spawning.local import LocalProcesses, ProcessExit, ProcessGroup
 from runtime.spawning.registry import RegisteredRun, begin_run, forget, register
 from runtime.tls.verification import verify_all
+from runtime.watching.control import Control
 from runtime.watching.watcher import View, Watcher
 from runtime.wire.bus import Bus
 from runtime.wire.refusals import Refusals
@@ -37,7 +38,6 @@ if TYPE_CHECKING:
 _TURN = 0.02  # [s] between two looks at children and plant time
 _FRAME = 0.25  # [s] between two pictures
 _AMPLE = 2.0  # [s] for processes to end by themselves when the run is over
-_ANSWER = 0.5  # [s] to wait for the answer to a request
 
 
 class RunEvent(NamedTuple):
@@ -132,6 +132,7 @@ class Launcher:
             self._children.start(self._members)
             with self._look_out(), self._visit() as bus:
                 self._watcher = Watcher(bus)
+                self._control = Control(bus, self._children, ANSWER)
                 self._screen = self._make_screen()
                 try:
                     self._stay()
@@ -181,7 +182,7 @@ class Launcher:
         self._view, frame = self._watcher.look(), now
         injector = FaultInjector(
             deployment,
-            self._children,
+            self._control,
             self._watcher,
             self._journal,
             show=lambda text: self._screen.happened(self._view.t, text),
@@ -254,7 +255,7 @@ class Launcher:
         end_all(self._children, escalation, ask=self._ask_to_stop, ended=ended)
 
     def _ask_to_stop(self) -> None:
-        self._watcher.stop("**", _ANSWER)
+        self._control.stop()
 
     def _happened(self, text: str, **more: object) -> None:
         t = self._view.t

@@ -90,7 +90,7 @@ class _Copy:
 
     def __init__(self, forkserver: ForkServer, pid: int) -> None:
         self.pid = pid
-        self._nursery = forkserver
+        self._forkserver = forkserver
         self._handle: int | None = os.pidfd_open(pid)
         self._code: int | None = None
 
@@ -99,7 +99,7 @@ class _Copy:
         if self._handle is not None and _is_readable(self._handle):  # which it is once it has ended
             os.close(self._handle)
             self._handle = None
-            code = self._nursery.ask("reap", self.pid)
+            code = self._forkserver.ask("reap", self.pid)
             self._code = LOST if code is None else code
         return self._code
 

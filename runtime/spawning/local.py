@@ -71,16 +71,17 @@ class ProcessGroup(Protocol):
 
 
 class LocalProcesses:
-    """All processes that were started for a run, the former ones of a role as well.
+    """The processes of a run on this machine: those started here, and those that its logs name.
 
     Make it before a bus is joined: see `ForkServer`.
 
-    run: its folder
+    Attributes:
+        run: The run's folder.
     """
 
-    def __init__(self, run: Path) -> None:
+    def __init__(self, run: Path, forkserver: ForkServer | None = None) -> None:
         self.run = run
-        self._nursery = ForkServer()
+        self._forkserver = ForkServer() if forkserver is None else forkserver
         self._living: list[tuple[Task, ChildProcess]] = []
         self._outs: set[Path] = set()
 
@@ -96,7 +97,7 @@ class LocalProcesses:
 
     def _start(self, task: Task) -> ChildProcess:
         self._outs.add(task.out)
-        child = self._nursery.start(task)
+        child = self._forkserver.start(task)
         self._living.append((task, child))
         return child
 
@@ -142,7 +143,7 @@ class LocalProcesses:
 
     def tidy(self) -> None:
         """Remove the files of those who said nothing; no more are started then."""
-        self._nursery.close()
+        self._forkserver.close()
         for out in self._outs:
             if out.exists() and out.stat().st_size == 0:
                 out.unlink()

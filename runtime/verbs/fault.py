@@ -2,10 +2,8 @@
 
 import argparse
 
-from plant.faults import FaultError
-from runtime.errors import RunError
+from runtime.watching.control import Control
 from runtime.watching.discovery import add_target_options, target_of, visit
-from runtime.wire import topics
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -20,12 +18,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Request the fault from the plant; print its answer."""
-    with visit(target_of(args)) as bus:
-        answers = bus.ask(topics.FAULT, args.fault.encode())
-    if not answers:
-        raise RunError("no plant answers")
-    said = answers[0].data.decode(errors="replace")
-    if not answers[0].agreed:
-        raise FaultError(said)
+    target = target_of(args)
+    with visit(target) as bus:
+        said = Control(bus).fault(args.fault)
     print(f"{args.fault}: {said}")
     return 0

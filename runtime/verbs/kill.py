@@ -1,10 +1,12 @@
 """Kill the process of a role on this host with SIGKILL."""
 
 import argparse
-import signal
 
+from runtime.errors import RunError
+from runtime.spawning.local import LocalProcesses
+from runtime.watching.control import Control
 from runtime.watching.discovery import add_target_options, target_of, visit
-from runtime.watching.local import process_in
+from runtime.watching.local import check_is_here
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -19,7 +21,11 @@ def run(args: argparse.Namespace) -> int:
     """Kill the process; of several copies the one whose commands are accepted."""
     target = target_of(args)
     with visit(target) as bus:
-        process = process_in(bus, target, args.role)
-        process.send(signal.SIGKILL)
-        print(f"killed {args.role}, process {process.pid}")
+        check_is_here(bus, args.role)
+        control = Control(bus, LocalProcesses(target.run_with(args.role)))
+        pids = control.processes_of(args.role)
+        if not pids:
+            raise RunError(f"no process of {args.role} runs here")
+        control.kill(args.role, pids)
+    print(f"killed {args.role}, process {pids[0]}")
     return 0

@@ -4,12 +4,12 @@ import argparse
 import time
 
 from runtime.errors import RunError
+from runtime.watching.control import Control
 from runtime.watching.discovery import add_target_options, target_of, visit
 from runtime.wire import topics
 from runtime.wire.bus import Bus
 
 _PATIENCE = 3.0  # [s] for all processes to end
-_ANSWER = 1.0  # [s]
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -26,7 +26,7 @@ def run(args: argparse.Namespace) -> int:
         wanted = _tokens(bus, args.role)
         if not wanted:
             raise RunError(f"no {args.role} runs")
-        bus.ask(topics.stop(args.role or "**"), timeout=_ANSWER)
+        Control(bus).stop(args.role or "**")
         until = time.monotonic() + _PATIENCE
         while (left := wanted & _tokens(bus, args.role)) and time.monotonic() < until:
             time.sleep(0.05)

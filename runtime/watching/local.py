@@ -4,7 +4,7 @@ import os
 import socket
 
 from runtime.errors import RunError
-from runtime.spawning.identity import ProcessId, obeyed_in, processes_in
+from runtime.spawning.identity import ProcessId, processes_in
 from runtime.watching.discovery import Target
 from runtime.wire import topics
 from runtime.wire.bus import Bus
@@ -25,19 +25,11 @@ def diags(bus: Bus, role: str = "**") -> list[Diag]:
     return found
 
 
-def process_in(bus: Bus, target: Target, role: str) -> ProcessId:
-    """Return the process of a role on this host; of copies it is the one that the plant obeys.
-
-    Raises:
-        RunError: There is none here, or nothing is known here of the run that can be trusted.
-    """
+def check_is_here(bus: Bus, role: str) -> None:
+    """Raise `RunError` if a role runs, but on other hosts only."""
     hosts = {diag.host for diag in diags(bus, role)}
     if hosts and socket.gethostname() not in hosts:
         raise RunError(f"{role} runs on {', '.join(sorted(hosts))}: go there for that")
-    process = obeyed_in(target.run_with(role), role)
-    if process is None:
-        raise RunError(f"no process of {role} runs here")
-    return process
 
 
 def watchers(robot: str) -> list[ProcessId]:

@@ -6,7 +6,9 @@ from runtime.config.deployment import load
 from runtime.errors import RunError
 from runtime.results.logs import read_log
 from runtime.spawning.forkserver import ForkServer
-from runtime.spawning.tasks import Task
+from runtime.spawning.identity import processes_in
+from runtime.spawning.local import LocalProcesses
+from runtime.watching.control import Control
 from runtime.watching.discovery import Target, visit
 from runtime.watching.local import diags
 
@@ -24,14 +26,16 @@ def revive(role: str, target: Target, forkserver: ForkServer) -> int:
     with visit(target) as bus:
         if diags(bus, role):
             raise RunError(f"{role} is alive; `msma agent --copy` starts another beside it")
-        task = Task(role, target.run_with(role))
-        if not read_log(task.run, role, "start"):  # it never had a process: is there such a role?
-            load(task.file, only_role=role)
-        child = forkserver.start(task)
-        while not any(diag.pid == child.pid for diag in diags(bus, role)):
-            if child.poll() is not None:
-                raise RunError(f"{role} did not start: {task.said}")
+        run = target.run_with(role)
+        host = ""  # which only a copy beside a process that hangs has to know
+        if processes_in(run, role) or not read_log(run, role, "start"):
+            host = load(run / "deployment.yaml", only_role=role).host_of(role)
+        processes = LocalProcesses(run, forkserver)
+        pid = Control(bus, processes).revive(role, host)
+        while not any(diag.pid == pid for diag in diags(bus, role)):
+            for ended in processes.ended():
+                raise RunError(f"{role} did not start: {ended.said}")
             if time.monotonic() - began > _START:
-                raise RunError(f"{role}, process {child.pid}, is not seen alive")
+                raise RunError(f"{role}, process {pid}, is not seen alive")
             time.sleep(0.02)
-    return child.pid
+    return pid

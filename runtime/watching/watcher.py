@@ -1,30 +1,44 @@
-"""What people see of a running robot, and what they ask of it; it has no part in the running."""
+"""What people see of a running robot; watching has no part in the running."""
 
 import math
 import threading
 import time
+from collections.abc import Callable
 from typing import NamedTuple
 
 from runtime.processes.lifetime import BusClock
 from runtime.watching.roster import Roster, Row
 from runtime.wire import topics
 from runtime.wire.arbitration import GoalInput, TopicInput
-from runtime.wire.bus import Answer, Bus
-from runtime.wire.messages import Diag, EndEffectorPose, GoalMessage, Position, unpack
+from runtime.wire.bus import Bus, RingSubscriber
+from runtime.wire.messages import (
+    Diag,
+    EndEffectorPose,
+    GoalMessage,
+    JointStates,
+    PlatformPose,
+    Position,
+    unpack,
+)
 from runtime.wire.refusals import MessageError, Refusals
 
-_FRESH = 1.0  # [s] for which a hand that is no longer told is still shown
+_FRESH = 1.0  # [s] for which a state is shown that is no longer published
 _AT_ONCE = 8
 
 
 class View(NamedTuple):
-    """What is to be seen now.
+    """What a watcher knows now.
 
-    t: plant time [s]
-    hand: x, y, z of the grip point in the world [m], None if nobody tells
-    goal: where it should be [m], None if nobody tells
-    error: the distance between them [m], None if it is not known
-    worst: the largest error seen so far [m], looking as often as one did
+    Attributes:
+        t: Plant time [s].
+        hand: x, y, z of the grip point in the world [m], None if it is not published.
+        goal: Where it should be [m], None if no goal is published.
+        error: The distance between them [m], None if it is not known.
+        worst: The largest error so far [m], of the moments that were looked at.
+        rows: The processes.
+        joints: The latest joint states, None if they are not published.
+        platform: The latest pose of the platform, None if it is not published.
+        goal_message: The goal that is in force, as it was published; None if there is none.
     """
 
     t: float
@@ -33,10 +47,13 @@ class View(NamedTuple):
     error: float | None
     worst: float | None
     rows: list[Row]
+    joints: JointStates | None = None
+    platform: PlatformPose | None = None
+    goal_message: GoalMessage | None = None
 
 
 class Watcher:
-    """Watches a robot from a place on its bus; `look` as often as it is to be shown.
+    """Watches a robot on its bus; call `look` as often as it is to be shown.
 
     Attributes:
         clock: Plant time, as of the last look.
@@ -52,7 +69,13 @@ class Watcher:
         refusals = Refusals()
         self._hand = TopicInput(topics.HAND, EndEffectorPose, _FRESH, refusals)
         self._goal = GoalInput(_FRESH, refusals)
-        self._hands = bus.ring(topics.HAND, _AT_ONCE)
+        self._joints = TopicInput(topics.JOINTS, JointStates, _FRESH, refusals)
+        self._platform = TopicInput(topics.PLATFORM, PlatformPose, _FRESH, refusals)
+        self._states: list[tuple[RingSubscriber, Callable[[bytes, float], object]]] = [
+            (bus.ring(topics.HAND, _AT_ONCE), self._hand.accept),
+            (bus.ring(topics.JOINTS, _AT_ONCE), self._joints.accept),
+            (bus.ring(topics.PLATFORM, _AT_ONCE), self._platform.accept),
+        ]
         self._goals = [bus.ring(topic.key, _AT_ONCE) for topic in topics.STANDARD.percepts["goal"]]
         bus.watch_alive(self._on_token)
         bus.subscribe(topics.EVERY_DIAG, self._on_diag)
@@ -63,7 +86,7 @@ class Watcher:
         self._changed.set()
 
     def wait(self, timeout: float) -> None:
-        """Wait until somebody has come or gone since this was last called, or so long [s]."""
+        """Wait until a process has come or gone since the last call, for `timeout` [s] at most."""
         self._changed.wait(timeout)
         self._changed.clear()
 
@@ -78,17 +101,18 @@ class Watcher:
             self._roster.diag(diag, time.monotonic())
 
     def ask_all(self, timeout: float = 1.0) -> None:
-        """Ask all how they are, so that one need not wait for them to say so; at most so long."""
+        """Ask all processes for their state, and wait for `timeout` [s] at most."""
         for answer in self._bus.ask(topics.EVERY_DIAG, timeout=timeout):
             self._on_diag(answer.key, answer.data)
         for key in self._bus.who_is_alive(timeout):
             self._on_token(key, True)
 
     def look(self) -> View:
-        """Return what is to be seen now."""
+        """Return what is known now."""
         now = time.monotonic()
-        for arrival in self._hands.waiting(_AT_ONCE):
-            self._hand.accept(arrival.data, now)
+        for ring, accept in self._states:
+            for arrival in ring.waiting(_AT_ONCE):
+                accept(arrival.data, now)
         for goals in self._goals:
             for arrival in goals.waiting(_AT_ONCE):
                 self._goal.accept(arrival.key, arrival.data, now)
@@ -102,15 +126,8 @@ class Watcher:
         with self._lock:
             rows = self._roster.rows()
         hand = pose.position if pose is not None else None
-        return View(t, hand, goal, error, self._worst, rows)
-
-    def stop(self, role: str, timeout: float = 1.0) -> list[Answer]:
-        """Ask all processes of a role to stop; no answer means that nobody heard it."""
-        return self._bus.ask(topics.stop(role), timeout=timeout)
-
-    def fault(self, text: str, timeout: float = 1.0) -> list[Answer]:
-        """Ask the plant for a fault in its text form, such as `joint/1:locked`."""
-        return self._bus.ask(topics.FAULT, text.encode(), timeout)
+        joints, platform = self._joints.fresh(now), self._platform.fresh(now)
+        return View(t, hand, goal, error, self._worst, rows, joints, platform, told)
 
 
 def goal_at(goal: GoalMessage, t: float) -> Position:

@@ -74,10 +74,9 @@ def test_a_run_that_only_the_bus_names_is_refused(
 def test_status_shows_such_a_robot_and_opens_none_of_its_files(
     robot: Robot, fake_plant: Bus, planted: Path
 ) -> None:
-    for options in (("--robot", robot.name), ()):
-        said = robot.msma("status", *options)
-        assert robot.name in said.stdout + said.stderr
-        assert "joint/2" not in said.stdout
+    said = robot.tool("status")
+    assert said.stdout.startswith(f"{robot.name}: "), said.stderr
+    assert "joint/2" not in said.stdout
     assert not (planted / "imported").exists()
 
 

@@ -2,6 +2,8 @@ import signal
 
 import pytest
 
+from plant.faults import FaultError
+from runtime.watching.control import Control
 from runtime.watching.roster import Row
 from runtime.watching.watcher import View, Watcher, goal_at
 from runtime.wire import topics
@@ -90,10 +92,29 @@ def test_one_can_ask_all_how_they_are_without_waiting(processes: ProcessGroup) -
 
 def test_what_is_asked_of_a_process_is_answered(processes: ProcessGroup) -> None:
     processes.start("plant")
-    watcher = Watcher(processes.visit())
-    wait_for(lambda: watcher.look().rows, "the plant")
-    assert [answer.data for answer in watcher.fault("joint/1:locked")] == [b"ok"]
-    assert [answer.agreed for answer in watcher.fault("joint/1:tired")] == [False]
-    assert watcher.stop("joint/1", timeout=0.5) == []
-    assert [answer.data for answer in watcher.stop(topics.PLANT)] == [b"ok"]
+    bus = processes.visit()
+    control = Control(bus)
+    wait_for(lambda: bus.who_is_alive(), "the plant")
+    assert control.fault("joint/1:locked") == "ok"
+    with pytest.raises(FaultError, match="tired"):
+        control.fault("joint/1:tired")
+    assert not Control(bus, timeout=0.5).stop("joint/1")
+    assert control.stop(topics.PLANT)
     assert processes.result("plant")[0] == 0
+
+
+def test_a_watcher_sees_the_joints_the_platform_and_the_goal(processes: ProcessGroup) -> None:
+    processes.start("plant", "goal")
+    watcher = Watcher(processes.visit())
+
+    def look() -> View | None:
+        view = watcher.look()
+        return view if view.goal_message and view.joints and view.platform else None
+
+    view = wait_for(look, "the goal and the states")
+    assert view.joints is not None
+    assert len(view.joints.position) == 6
+    assert view.platform is not None
+    assert view.platform.heading == pytest.approx(0.0)
+    assert view.goal_message is not None
+    assert view.goal_message.velocity == pytest.approx((0.0, -0.07, 0.02))

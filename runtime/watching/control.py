@@ -1,0 +1,82 @@
+"""What can be asked of the processes of a run and done to them, by verbs, chaos and others."""
+
+import signal
+
+from plant.faults import FaultError
+from runtime.errors import RunError
+from runtime.spawning.local import ProcessGroup
+from runtime.wire import topics
+from runtime.wire.bus import Bus
+
+_ANSWER = 1.0  # [s] to wait for the answer to a request
+
+
+class Control:
+    """Acts on a run: on the processes by signals, on what answers on the bus by requests.
+
+    Args:
+        bus: The robot's bus.
+        processes: The processes of the run: those that a launcher has started, here or on other
+            hosts, or those of a run that was found; None if requests are enough.
+        timeout: How long a request waits for its answer [s].
+    """
+
+    def __init__(
+        self, bus: Bus, processes: ProcessGroup | None = None, timeout: float = _ANSWER
+    ) -> None:
+        self._bus, self._group, self._timeout = bus, processes, timeout
+
+    @property
+    def _processes(self) -> ProcessGroup:
+        assert self._group is not None, "made for requests only"
+        return self._group
+
+    def stop(self, role: str = "**") -> bool:
+        """Ask all processes of a role to stop, by default all; return whether any agrees."""
+        return any(answer.agreed for answer in self._bus.ask(topics.stop(role), b"", self._timeout))
+
+    def fault(self, text: str) -> str:
+        """Ask the plant for a fault in its text form, such as `joint/1:locked`.
+
+        Returns:
+            What the plant answers.
+
+        Raises:
+            RunError: No plant answers.
+            FaultError: The plant has no such fault.
+        """
+        answers = self._bus.ask(topics.FAULT, text.encode(), self._timeout)
+        if not answers:
+            raise RunError("no plant answers")
+        said = answers[0].data.decode(errors="replace")
+        if not answers[0].agreed:
+            raise FaultError(said)
+        return said
+
+    def processes_of(self, role: str) -> list[int]:
+        """Return the id of a role's process, of copies that of the one obeyed; none if none is."""
+        return self._processes.obeyed(role)
+
+    def kill(self, role: str, pids: list[int]) -> None:
+        """Kill processes of a role, as a crash would."""
+        self._signal(role, pids, signal.SIGKILL)
+
+    def hang(self, role: str, pids: list[int]) -> None:
+        """Stop processes of a role where they are, until they are resumed."""
+        self._signal(role, pids, signal.SIGSTOP)
+
+    def resume(self, role: str, pids: list[int]) -> None:
+        """Let processes of a role go on."""
+        self._signal(role, pids, signal.SIGCONT)
+
+    def revive(self, role: str, host: str) -> int:
+        """Start one more process for a role whose host that is, and return its id.
+
+        Raises:
+            RunError: It cannot be started.
+        """
+        return self._processes.revive(role, host)
+
+    def _signal(self, role: str, pids: list[int], number: signal.Signals) -> None:
+        for pid in pids:
+            self._processes.send(role, pid, number)
