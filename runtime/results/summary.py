@@ -128,7 +128,9 @@ def summarise(
         headline=headline,
         tolerance=deployment.tolerance,
         evaluation=evaluation,
-        events=tuple(sorted([*outcome.events, *_logged(deployment, run, log)])),
+        events=tuple(
+            sorted([*outcome.events, *_logged(deployment, run, log)], key=lambda event: event.t)
+        ),
         processes=tuple(_processes(deployment, run, outcome)),
         run=run,
         again=shlex.join(["msma", "launch", str(run / "deployment.yaml"), *again]),

@@ -119,9 +119,9 @@ class Watcher:
         t, pose, told = self.clock.look(now), self._hand.fresh(now), self._goal.selected(now)
         goal = error = None
         if told is not None:
-            goal = goal_at(told, t if pose is None else pose.t)
-        if pose is not None and goal is not None:
-            error = math.dist(pose.position, goal)
+            goal = goal_at(told, t)
+        if pose is not None and told is not None:
+            error = math.dist(pose.position, goal_at(told, pose.t))
             self._worst = max(self._worst or 0.0, error)
         with self._lock:
             rows = self._roster.rows()
