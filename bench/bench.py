@@ -1,4 +1,4 @@
-"""What a bench is: something measured side by side, checked, held against bars, and drawn."""
+"""The `Bench` interface: measure, check that the work was done, compare with bars, and draw."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
@@ -11,17 +11,17 @@ from studies.study import Progress, Row
 
 
 class BenchError(MsmaError, ValueError):
-    """A bench that cannot be run so: it says why, and what would do."""
+    """A bench that cannot run, or a measurement that failed; the message says why."""
 
 
 @dataclass(frozen=True)
 class Check:
-    """Whether the work that was timed was really done.
+    """A check that the timed work was really done.
 
     Attributes:
-        what: What was looked at.
-        seen: What was found, with its unit.
-        passed: Whether it is as it must be; if not, the times mean nothing.
+        what: What was checked.
+        seen: The value found, with its unit.
+        passed: Whether the check passed; if not, the times are meaningless.
     """
 
     what: str
@@ -31,7 +31,7 @@ class Check:
 
 @dataclass(frozen=True)
 class Table:
-    """Something measured in many ways, ready to print: `rows` of as many cells as `head`."""
+    """A table to print; each row has as many cells as `head`."""
 
     title: str
     head: tuple[str, ...]
@@ -40,14 +40,14 @@ class Table:
 
 @dataclass(frozen=True)
 class Result:
-    """What a bench measured.
+    """The results of a bench.
 
     Attributes:
-        checks: That the work was done.
-        bars: What was to be reached, and whether it was.
-        tables: All of it, for people.
-        notes: What one has to know to read them.
-        data: All of it, for machines: what JSON can hold. SI units.
+        checks: Checks that the work was done.
+        bars: Required values, and whether they were met.
+        tables: All measurements as tables.
+        notes: Notes on the tables.
+        data: All measurements for JSON, in SI units.
     """
 
     checks: tuple[Check, ...]
@@ -68,19 +68,20 @@ class Result:
 
 
 class Bench(ABC):
-    """One thing that takes time or memory, measured."""
+    """A measurement of time or memory."""
 
     name: ClassVar[str]
     title: ClassVar[str]
 
     @abstractmethod
     def measure(self, size: float, progress: Progress) -> Result:
-        """Measure.
+        """Run the measurement.
 
-        size: share of the full time, for a quick look; bars are meant for 1
-        progress: is told how far it is
+        Args:
+            size: Share of the full time, for a quick look; bars are meant for 1.
+            progress: Receives how far the measurement is.
         """
 
     def draw(self, result: Result, folder: Path) -> tuple[Path, ...]:
-        """Write pictures into `folder` and return their files; none by default."""
+        """Write the pictures into `folder` and return their files; by default there are none."""
         return ()

@@ -18,16 +18,16 @@ from studies import verb_options
 from studies.study import Progress
 
 MISSED, NOT_DONE = 3, 1
-"""Exit codes when a bar was missed, and when the work that was timed was not done."""
+"""Exit codes if a bar was missed, and if the timed work was not done."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the bench's name and where to write."""
+    """Add the options of `msma bench`."""
     verb_options.add_arguments(parser, BENCHES, folder="bench-out", scaled="time")
 
 
 def run(args: argparse.Namespace) -> int:
-    """Run one bench or all, print what they measured, and return the exit code."""
+    """Run one bench or all, print their tables, and return the exit code."""
     names = verb_options.prepare(args, BENCHES, bench, BenchError)
     reports = [one(name, args.out, args.size, pictures=not args.no_pictures) for name in names]
     if args.name == "all":
@@ -39,14 +39,14 @@ def run(args: argparse.Namespace) -> int:
 
 
 def one(name: str, folder: Path, size: float, *, pictures: bool = True) -> Report:
-    """Run a bench, write what it measured into `folder`, print it, and return its report."""
+    """Run a bench, print its tables, write its report into `folder`, and return it."""
     chosen = bench(name)
     machine, busy, begun = describe(), CoreUsage(), time.perf_counter()
     result = chosen.measure(size, Progress(_show if sys.stderr.isatty() else None))
     took = time.perf_counter() - begun
     report = Report(chosen, result, machine, (), took, size, *busy.shares())
     console = verb_options.console()
-    _print(report, console)  # first of all: a disk may be full
+    _print(report, console)  # before anything is written, because the disk may be full
     if pictures:
         report = replace(report, pictures=chosen.draw(result, folder))
     write(report, folder)
@@ -56,7 +56,7 @@ def one(name: str, folder: Path, size: float, *, pictures: bool = True) -> Repor
 
 
 def _show(what: str, done: float) -> None:
-    """Say what is measured, in one line that is written over: a bar in motion costs time."""
+    """Show the progress in one line, without the processor time of an animated bar."""
     print(f"\r\x1b[K{100 * done:3.0f} % {what}", end="", file=sys.stderr, flush=True)
 
 

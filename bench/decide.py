@@ -1,4 +1,4 @@
-"""How long an agent thinks: one decision, many at once, and beside others' kinematics."""
+"""Time of agents' decisions, single and batched, and of kinematics beside other libraries."""
 
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -24,11 +24,11 @@ from studies.arm_batch import PERIOD, ArmAgents
 from studies.study import Progress, Row
 
 ROUNDS, TICKS, BATCH = 9, 300, 1000
-"""How often everything is measured, ticks of a run that is thought through, robots at once."""
+"""Rounds of measurement, ticks of the recorded run, and robots in a batch."""
 BATCHES = (1000, 2000, 4000, 10000)
-"""Planar arms at once in a study."""
+"""Numbers of planar arms in a study."""
 STEPS = 120
-"""Of those arms, in which nearly all hands come to their goals."""
+"""Steps of those arms, after which nearly all hands are at their goals."""
 GOALS = 1000
 
 
@@ -36,10 +36,10 @@ class DecideBench(Bench):
     """Decisions, agent-steps, forward kinematics and position goals."""
 
     name = "decide"
-    title = "Thinking: one decision, many at once, and the kinematics of others"
+    title = "Decisions, single and batched, and kinematics beside other libraries"
 
     def measure(self, size: float, progress: Progress) -> Result:
-        """Measure all of it, in turn."""
+        """Measure everything, interleaved."""
         rounds = max(round(ROUNDS * size), 2)
         progress.begin(4)
         progress.step("single decisions")
@@ -47,7 +47,7 @@ class DecideBench(Bench):
         alone = interleaved(
             {name: decision_timer(case, 1) for name, case in single.items()}, rounds
         )
-        progress.step("many decisions at once")
+        progress.step("batched decisions")
         many = {name: batched(case, BATCH) for name, case in single.items()}
         together = interleaved(
             {name: decision_timer(case, BATCH) for name, case in many.items()}, rounds
@@ -58,14 +58,14 @@ class DecideBench(Bench):
              for count in BATCHES},
             max(rounds // 3, 1),
         )  # fmt: skip
-        progress.step("kinematics beside others")
+        progress.step("kinematics beside other libraries")
         arms = _arms()
         forward = {name: interleaved(_forwards(*arm), rounds) for name, arm in arms.items()}
         goals = max(round(GOALS * size), 20)
         solved = {name: solve_all(*arms[name], goals) for name in ("planar5", "seven")}
         steps = {name: [run.rate for run in runs] for name, runs in step_rates.items()}
         return Result(
-            checks=(*_agree(arms), *_came(step_rates), *_ours_solve(solved)),
+            checks=(*_agree(arms), *_approached(step_rates), *_ours_solve(solved)),
             bars=_bars(alone, steps),
             tables=(
                 _decisions(alone, together),
@@ -87,7 +87,7 @@ class DecideBench(Bench):
         )
 
     def draw(self, result: Result, folder: Path) -> tuple[Path, ...]:
-        """Draw how long decisions take."""
+        """Draw the times of decisions."""
         from bench.drawing import bars
 
         medians = {name: 1e6 * median(runs) for name, runs in result.data["decision_s"].items()}
@@ -95,7 +95,12 @@ class DecideBench(Bench):
 
 
 class _StepRate(NamedTuple):
-    """rate: agent-steps a second; near: share of the hands that came within 5 mm of the goal."""
+    """One timed run.
+
+    Attributes:
+        rate: Agent-steps a second.
+        near: Share of the hands within 5 mm of their goals.
+    """
 
     rate: float
     near: float
@@ -107,18 +112,18 @@ def _time_steps(sees: str, count: int) -> Callable[[], _StepRate]:
     def run() -> _StepRate:
         rng = np.random.default_rng(3)
         start = np.tile(np.radians([-30.0, 40.0, 40.0, 40.0, 40.0]), (count, 1))
-        place = Kinematics(robot).forward(rng.uniform(-1.0, 1.0, (count, robot.n))).tip
-        goal = Goal(place, np.zeros_like(place), 0.0, 0.0)
+        goals = Kinematics(robot).forward(rng.uniform(-1.0, 1.0, (count, robot.n))).tip
+        goal = Goal(goals, np.zeros_like(goals), 0.0, 0.0)
         plant = KinematicPlant(Setup(robot, start, period=PERIOD))
-        processes = ArmAgents(robot, seed=1, perception=sees)
+        agents = ArmAgents(robot, seed=1, perception=sees)
         steps = min(STEPS, 400_000 // count)
         begun = time.perf_counter()
         for _ in range(steps):
-            plant.write(processes.commands(plant, goal))
+            plant.write(agents.commands(plant, goal))
             plant.step()
         took = time.perf_counter() - begun
-        away = np.linalg.norm(plant.truth().position - place, axis=-1)
-        before = np.linalg.norm(Kinematics(robot).forward(start).tip - place, axis=-1)
+        away = np.linalg.norm(plant.truth().position - goals, axis=-1)
+        before = np.linalg.norm(Kinematics(robot).forward(start).tip - goals, axis=-1)
         nearer = away < np.where(steps == STEPS, 0.005, before)
         return _StepRate(robot.n * count * steps / took, float(nearer.mean()))
 
@@ -126,7 +131,7 @@ def _time_steps(sees: str, count: int) -> Callable[[], _StepRate]:
 
 
 def _arms() -> dict[str, tuple[Robot, Path, str]]:
-    """Return the arms to compare on: robot, its file and the link at its tip."""
+    """Return the arms to compare on: robot, URDF file, and the link at its tip."""
     seven = Path(no_model.__file__).with_name("seven.urdf")
     return {
         "arph": (load("arph"), ROBOTS / "arph.urdf", "grip"),
@@ -136,22 +141,22 @@ def _arms() -> dict[str, tuple[Robot, Path, str]]:
 
 
 def _forwards(robot: Robot, urdf: Path, tip: str) -> dict[str, Callable[[], float]]:
-    """Return what measures each side's forward kinematics [s], to the hand's place as an array."""
+    """Return functions that measure the time of forward kinematics to the tip [s], by library."""
     rng = np.random.default_rng(5)
-    turns = rng.uniform(-1.0, 1.0, (200, robot.n))
+    postures = rng.uniform(-1.0, 1.0, (200, robot.n))
     kinematics = Kinematics(robot)
 
     def one(forward: Callable[[Array], object]) -> Callable[[], float]:
         def go() -> float:
             begun = time.perf_counter()
-            for turn in turns:
-                forward(turn)
-            return (time.perf_counter() - begun) / len(turns)
+            for angles in postures:
+                forward(angles)
+            return (time.perf_counter() - begun) / len(postures)
 
         return go
 
     def batch() -> float:
-        many = np.repeat(turns, 5, axis=0)
+        many = np.repeat(postures, 5, axis=0)
         begun = time.perf_counter()
         _ = kinematics.forward(many).tip
         return (time.perf_counter() - begun) / len(many)
@@ -160,35 +165,39 @@ def _forwards(robot: Robot, urdf: Path, tip: str) -> dict[str, Callable[[], floa
         name: one(solver.forward)
         for name, solver in solvers(robot, urdf, tip).items() if name != "pink"
     }  # fmt: skip
-    ours = one(lambda turn: kinematics.forward(turn).tip)
+    ours = one(lambda angles: kinematics.forward(angles).tip)
     return {"msma": ours, "msma, 1000 at once": batch, **others}
 
 
 def _agree(arms: Mapping[str, tuple[Robot, Path, str]]) -> list[Check]:
     checks = []
     for name, arm in arms.items():
-        turn = np.linspace(-0.5, 0.7, arm[0].n)
-        ours = Kinematics(arm[0]).forward(turn).tip
+        angles = np.linspace(-0.5, 0.7, arm[0].n)
+        ours = Kinematics(arm[0]).forward(angles).tip
         theirs: dict[str, Solver] = solvers(*arm)
-        off = max((float(np.abs(s.forward(turn) - ours).max()) for s in theirs.values()), default=0)
+        off = max(
+            (float(np.abs(s.forward(angles) - ours).max()) for s in theirs.values()), default=0
+        )
         checks.append(
-            Check(f"{name}: all put the hand at the same place", f"{off:.0e} m", off < 1e-9)
+            Check(
+                f"{name}: all libraries agree on the position of the hand",
+                f"{off:.0e} m",
+                off < 1e-9,
+            )
         )
     return checks
 
 
-def _came(step_rates: Mapping[str, Sequence[_StepRate]]) -> list[Check]:
+def _approached(step_rates: Mapping[str, Sequence[_StepRate]]) -> list[Check]:
     least = min(run.near for runs in step_rates.values() for run in runs)
     return [
-        Check(
-            "agent-steps: hands that came nearer their goals", f"{100 * least:.1f} %", least > 0.9
-        )
+        Check("agent-steps: hands that approached their goals", f"{100 * least:.1f} %", least > 0.9)
     ]
 
 
 def _ours_solve(solved: Mapping[str, Mapping[str, Solved]]) -> list[Check]:
     least = min(sides["msma, all at once"].solved for sides in solved.values())
-    return [Check("goals: solved by our agents", f"{100 * least:.1f} %", least > 0.8)]
+    return [Check("goals solved by our agents", f"{100 * least:.1f} %", least > 0.8)]
 
 
 def _bars(
@@ -212,7 +221,7 @@ def _decisions(
          f"{1e6 * median(together[name]):.3f}", f"{median(runs) / median(together[name]):.0f} x")
         for name, runs in alone.items()
     )  # fmt: skip
-    head = ("agent", "one [us]", f"of {BATCH} at once [us]", "gain")
+    head = ("agent", "single [us]", f"in a batch of {BATCH} [us]", "gain")
     return Table("one decision", head, rows)
 
 
@@ -221,8 +230,8 @@ def _steps(steps: Mapping[str, Sequence[float]]) -> Table:
         (name, f"{median(rates) / 1e6:.2f}", f"{min(rates) / 1e6:.2f} to {max(rates) / 1e6:.2f}")
         for name, rates in steps.items()
     )
-    head = ("perception, arms at once", "million a second", "rounds")
-    return Table("agent-steps in a study, the plant's steps included", head, rows)
+    head = ("perception, arms", "million a second", "rounds")
+    return Table("agent-steps in a study, including the steps of the plant", head, rows)
 
 
 def _forward_table(forward: Mapping[str, Mapping[str, Sequence[float]]]) -> Table:
@@ -231,7 +240,7 @@ def _forward_table(forward: Mapping[str, Mapping[str, Sequence[float]]]) -> Tabl
         for arm, sides in forward.items()
         for side, runs in sides.items()
     )
-    return Table("forward kinematics of one arm", ("arm", "side", "[us]", "rounds"), rows)
+    return Table("forward kinematics of one arm", ("arm", "library", "[us]", "rounds"), rows)
 
 
 def _solved_table(solved: Mapping[str, Mapping[str, Solved]]) -> Table:
@@ -241,21 +250,23 @@ def _solved_table(solved: Mapping[str, Mapping[str, Solved]]) -> Table:
         for arm, sides in solved.items()
         for side, each in sides.items()
     )  # fmt: skip
-    head = ("arm", "side", "goals", "one [ms]", "1000 [s]", "within 1 mm and all limits")
+    head = ("arm", "library", "goals", "one [ms]", "1000 [s]", "within 1 mm and all limits")
     return Table("random position goals", head, rows)
 
 
 NOTES = (
-    "A decision is the mean over a run of the closed loop; shown are the median, least and most "
-    "over the rounds, all agents in turn.",
-    "Our agents solve no inverse kinematics: they are run in lockstep with the simulated arm, at "
-    "its top speeds and accelerations, until the hand is there. What others return is a posture "
-    "to go to, not the way there.",
-    "ikpy solves a quarter of the goals, for it takes long; times are per goal.",
+    "The time of a decision is the mean over a closed-loop run; shown are the median, minimum and "
+    "maximum over the rounds, with all agents interleaved.",
+    "Our agents do not solve inverse kinematics: they run in lockstep with the simulated arm, "
+    "within its limits of speed and acceleration, until the hand is at the goal. The other "
+    "libraries return a posture, not the motion to it.",
+    "ikpy is run on only a quarter of the goals because it is slow; times are per goal.",
     "pinocchio is called from Python for one arm at a time; its own batches need C++.",
 )
 
 
 def _absent() -> tuple[str, ...]:
     names = missing()
-    return (f"not installed, so not beside: {', '.join(names)} (msma[bench])",) if names else ()
+    return (
+        (f"not compared, because not installed: {', '.join(names)} (msma[bench])",) if names else ()
+    )

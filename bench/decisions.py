@@ -1,4 +1,4 @@
-"""Agents to be timed: what they perceive in a run of their own, and one decision after another."""
+"""Timing of agents' decisions on percepts that were recorded in a closed loop."""
 
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -17,27 +17,31 @@ from plant.urdf import load
 from studies.lockstep import decide_all
 
 
-class Case(NamedTuple):
-    """An agent, and what it perceives one tick after the other."""
+class DecisionCase(NamedTuple):
+    """An agent, and its recorded percepts, tick by tick."""
 
     make: Callable[[], Agent]
-    seen: Sequence[Percepts]
+    percepts: Sequence[Percepts]
 
 
 class ArmRun(NamedTuple):
-    """The mobile arm after some ticks.
+    """A run in lockstep.
 
-    agents: by role; seen: what they perceived, tick by tick; commands: the last
+    Attributes:
+        plant: The plant after the run.
+        agents: By role.
+        percepts: The recorded percepts, tick by tick.
+        commands: The last commands.
     """
 
     plant: Plant
     agents: Mapping[str, Agent]
-    seen: Sequence[Percepts]
+    percepts: Sequence[Percepts]
     commands: Commands
 
 
 def arm_run(ticks: int, period: float | None = None) -> ArmRun:
-    """Let the mobile arm's agents move it along its goal, at `period` [s] or the paper's."""
+    """Run the mobile arm along its goal, with a period [s] or that of the paper."""
     arph = deployed(ARPH, *([] if period is None else [f"period={1e3 * period:g} ms"]))
     assert arph.goal is not None
     plant = arph.build_plant()
@@ -45,24 +49,29 @@ def arm_run(ticks: int, period: float | None = None) -> ArmRun:
     return _run(plant, agents, arph.goal.build().piece, ticks)
 
 
-def recorded_cases(ticks: int) -> dict[str, Case]:
-    """Return the agents of the mobile arm and of the planar arm, with runs that they had."""
+def recorded_cases(ticks: int) -> dict[str, DecisionCase]:
+    """Return agents of the mobile arm and of the planar arm, with recorded percepts."""
     arph = deployed(ARPH)
-    seen = arm_run(ticks).seen
+    percepts = arm_run(ticks).percepts
     names = {
         "joint/2 of six": "joint/2",
         "joint/3 of six, an elbow": "joint/3",
         "joint/4 of six, holds": "joint/4",
         "platform": "platform",
     }
-    cases = {name: Case(partial(arph.build_agent, role), seen) for name, role in names.items()}
+    cases = {
+        name: DecisionCase(partial(arph.build_agent, role), percepts)
+        for name, role in names.items()
+    }
     planar = load("planar5")
     path = Goal(np.array([0.37, 0.44, 0.0]), np.array([0.02, -0.02, 0.0]), 0.0, 1e6)
     plant = KinematicPlant(Setup(planar, np.radians([-30.0, 40.0, 40.0, 40.0, 40.0]), period=0.02))
-    processes = {f"joint/{i + 1}": _joint(planar, i, "auto") for i in range(5)}
-    seen = _run(plant, processes, lambda _: path, ticks).seen
+    agents = {f"joint/{i + 1}": _joint(planar, i, "auto") for i in range(5)}
+    percepts = _run(plant, agents, lambda _: path, ticks).percepts
     for sees in ("blackboard", "auto", "localiser"):
-        cases[f"joint/2 of planar five, {sees}"] = Case(partial(_joint, planar, 1, sees), seen)
+        cases[f"joint/2 of planar five, {sees}"] = DecisionCase(
+            partial(_joint, planar, 1, sees), percepts
+        )
     return cases
 
 
@@ -74,44 +83,44 @@ def _joint(robot: Robot, index: int, perception: str) -> Agent:
 def _run(
     plant: Plant, agents: Mapping[str, Agent], piece: Callable[[float], Goal], ticks: int
 ) -> ArmRun:
-    """Let agents move a plant."""
-    seen = []
+    """Run agents and plant in lockstep, and record the percepts."""
+    recorded = []
     for _ in range(ticks):
         readings = plant.read()
         percepts = Percepts.of(readings, piece(readings.t))
-        seen.append(percepts)
+        recorded.append(percepts)
         commands = decide_all(agents, percepts, np.shape(readings.q))
         plant.write(commands)
         plant.step()
-    return ArmRun(plant, agents, seen, commands)
+    return ArmRun(plant, agents, recorded, commands)
 
 
-def batched(case: Case, count: int) -> Case:
-    """Return the same for many equal robots at once."""
+def batched(case: DecisionCase, count: int) -> DecisionCase:
+    """Return the same case for a batch of `count` equal robots."""
 
     def many(value: Array | None) -> Array | None:
         return None if value is None else np.repeat(value[None], count, axis=0)
 
-    seen = [
+    percepts = [
         each._replace(
             hand=many(each.hand),
             base=many(each.base),
             joints=each.joints
             and type(each.joints)(*(np.repeat(a[None], count, 0) for a in each.joints)),
         )
-        for each in case.seen[: max(len(case.seen) // 10, 2)]
+        for each in case.percepts[: max(len(case.percepts) // 10, 2)]
     ]
-    return Case(case.make, seen)
+    return DecisionCase(case.make, percepts)
 
 
-def decision_timer(case: Case, count: int) -> Callable[[], float]:
-    """Return what measures one decision for one robot [s]: the mean over a run."""
+def decision_timer(case: DecisionCase, count: int) -> Callable[[], float]:
+    """Return a function that measures the mean time of one decision for one robot [s]."""
 
-    def think() -> float:
+    def measure() -> float:
         agent = case.make()
         begun = time.perf_counter()
-        for percepts in case.seen:
+        for percepts in case.percepts:
             agent.decide(percepts)
-        return (time.perf_counter() - begun) / len(case.seen) / count
+        return (time.perf_counter() - begun) / len(case.percepts) / count
 
-    return think
+    return measure

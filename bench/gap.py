@@ -1,4 +1,4 @@
-"""How long the plant goes without a new command when any one process is killed, or hangs."""
+"""The gap in the commands at the plant after any one process is killed or hangs."""
 
 from collections.abc import Sequence
 from itertools import product
@@ -14,53 +14,55 @@ from runtime.wire.topics import GOAL_SOURCE, PLATFORM_AGENT
 from studies.study import Progress, Row
 
 ROUNDS = 2
-FIRST, APART, LOOKED_AT = 3.0, 1.5, 1.2
-"""When the first process is hit, from one to the next, and how long is looked at [s]."""
+FIRST, APART, OBSERVED = 3.0, 1.5, 1.2
+"""Time of the first fault, time between faults, and time observed after each [s]."""
 HANGING = 0.8
-"""How long each hangs that is stopped [s]: till long after the others have given it up."""
-BLOWS = {"kill": "SIGKILL", "hang": "SIGSTOP"}
+"""How long a stopped process hangs [s]: until well after its standby has taken over."""
+SIGNALS = {"kill": "SIGKILL", "hang": "SIGSTOP"}
 LAUNCHER = "launcher"
 
 
 class FaultGap(NamedTuple):
-    """A process was hit.
+    """The gaps after one fault.
 
-    kill: kill or hang
-    own: the longest gap in the commands of its role just then, by its stand-by [s]; None for a
-        role that commands nothing
-    others: the longest gap in anybody else's [s]
+    Attributes:
+        fault: `kill` or `hang`.
+        victim: Role of the process.
+        own: Longest gap in the commands of that role, before and with its standby [s]; None for a
+            role without commands.
+        others: Longest gap in the commands of all other roles [s].
     """
 
-    kill: str
+    fault: str
     victim: str
     own: float | None
     others: float
 
 
 class GapBench(Bench):
-    """SIGKILL to each process in turn, and SIGSTOP, while every agent has one that stands by."""
+    """SIGKILL, and then SIGSTOP, to each process in turn, while every agent has a standby."""
 
     name = "gap"
     title = "The gap in commands after a SIGKILL or SIGSTOP of any one process"
 
     def __init__(self, rounds: int = ROUNDS, chaos_targets: Sequence[str] | None = None) -> None:
-        """FaultGap each of these processes that often, by default all but the plant."""
+        """Kill and stop these processes, by default all but the plant, once in each round."""
         roles = [agent.role for agent in deployed(ARPH).agents]
         self._rounds, self._victims = rounds, chaos_targets or [GOAL_SOURCE, *roles, LAUNCHER]
 
     def measure(self, size: float, progress: Progress) -> Result:
-        """FaultGap one after the other, every one of them in each round."""
+        """Kill all processes one after the other, then stop them, in each round."""
         rounds = max(round(self._rounds * size), 1)
-        progress.begin(rounds * len(BLOWS))
+        progress.begin(rounds * len(SIGNALS))
         period = deployed(ARPH).period
-        hits: list[FaultGap] = []
+        gaps_after: list[FaultGap] = []
         done = []
         quiet = 0.0
-        for number, kill in product(range(rounds), BLOWS):
-            progress.step(f"round {number + 1}, {kill}")
-            found, record, count = _round(kill, period, self._victims)
-            hits += found
-            done.append((f"round {number + 1}: processes hit by {BLOWS[kill]}", count))
+        for number, fault in product(range(rounds), SIGNALS):
+            progress.step(f"round {number + 1}, {fault}")
+            found, record, count = _round(fault, period, self._victims)
+            gaps_after += found
+            done.append((f"round {number + 1}: processes that got {SIGNALS[fault]}", count))
             times = arrivals(record, period)
             quiet = max(quiet, *(longest(each, FIRST - APART, FIRST - 0.2) for each in times))
         return Result(
@@ -68,77 +70,84 @@ class GapBench(Bench):
                 Check(what, f"{count}", count == len(self._victims)) for what, count in done
             ),
             bars=(
-                _bar("any one process killed", "kill", hits, period),
-                _bar("any one process stopped", "hang", hits, period),
+                _bar("any one process killed", "kill", gaps_after, period),
+                _bar("any one process stopped", "hang", gaps_after, period),
             ),
-            tables=tuple(_table(kill, hits, period, quiet) for kill in BLOWS),
+            tables=tuple(_table(fault, gaps_after, period, quiet) for fault in SIGNALS),
             notes=NOTES,
-            data={"period_s": period, "quiet_s": quiet, "hits": [hit._asdict() for hit in hits]},
+            data={
+                "period_s": period,
+                "quiet_s": quiet,
+                "gaps": [each._asdict() for each in gaps_after],
+            },
         )
 
     def draw(self, result: Result, folder: Path) -> tuple[Path, ...]:
-        """Draw the longest gap after each hit."""
+        """Draw the longest gap after each fault."""
         from bench.drawing import bars
 
         worst: dict[str, float] = {}
-        for hit in result.data["hits"]:
-            gap = max(hit["own"] or 0.0, hit["others"]) / result.data["period_s"]
-            name = f"{hit['victim']}, {BLOWS[hit['kill']]}"
+        for each in result.data["gaps"]:
+            gap = max(each["own"] or 0.0, each["others"]) / result.data["period_s"]
+            name = f"{each['victim']}, {SIGNALS[each['fault']]}"
             worst[name] = max(gap, worst.get(name, 0.0))
-        return (bars(worst, "longest gap in anybody's commands [periods]", folder / "gap.png"),)
+        return (
+            bars(worst, "longest gap in the commands of any role [periods]", folder / "gap.png"),
+        )
 
 
 def _round(
-    kill: str, period: float, chaos_targets: Sequence[str]
+    fault: str, period: float, chaos_targets: Sequence[str]
 ) -> tuple[list[FaultGap], RunLog, int]:
-    """Launch, hit each process in turn, and return what that did, and how many were hit."""
+    """Launch, apply the fault to each process in turn, and return the gaps, log and fault count."""
     roles = [agent.role for agent in deployed(ARPH).agents]
     at = {victim: FIRST + APART * index for index, victim in enumerate(chaos_targets)}
     duration = FIRST + APART * len(chaos_targets)
-    words = [str(ARPH), "--robot", f"bench-gap-{kill}", "--duration", f"{duration:g} s"]
+    options = [str(ARPH), "--robot", f"bench-gap-{fault}", "--duration", f"{duration:g} s"]
     for role in roles:
-        words += ["--set", f"agents.{role}.copies=2"]
+        options += ["--set", f"agents.{role}.copies=2"]
     for victim, t in at.items():
-        lasting = f":{HANGING:g}s" if kill == "hang" else ""
-        words += [f"--{kill}", f"{victim}@{t:g}{lasting}"]
-    with launched(words) as run:
+        lasting = f":{HANGING:g}s" if fault == "hang" else ""
+        options += [f"--{fault}", f"{victim}@{t:g}{lasting}"]
+    with launched(options) as run:
         run.end(duration)
         record = read_run_log(run.run)
-        done = [line for line in run.log(LAUNCHER) if line.get("action") == kill]
+        done = [line for line in run.log(LAUNCHER) if line.get("action") == fault]
     times = dict(zip((*(r for r in roles if r != PLATFORM_AGENT), PLATFORM_AGENT),
                      arrivals(record, period), strict=True))  # fmt: skip
-    hits = []
+    gaps_after = []
     for victim, t in at.items():
-        gaps = {role: longest(each, t, t + LOOKED_AT) for role, each in times.items()}
+        gaps = {role: longest(each, t, t + OBSERVED) for role, each in times.items()}
         others = max(gap for role, gap in gaps.items() if role != victim)
-        hits.append(FaultGap(kill, victim, gaps.get(victim), others))
-    return hits, record, len(done)
+        gaps_after.append(FaultGap(fault, victim, gaps.get(victim), others))
+    return gaps_after, record, len(done)
 
 
-def _bar(what: str, kill: str, hits: Sequence[FaultGap], period: float) -> Row:
-    worst = max(max(hit.own or 0.0, hit.others) for hit in hits if hit.kill == kill)
+def _bar(what: str, fault: str, gaps_after: Sequence[FaultGap], period: float) -> Row:
+    worst = max(max(each.own or 0.0, each.others) for each in gaps_after if each.fault == fault)
     found = f"{worst / period:.2f} periods ({1e3 * worst:.0f} ms)"
     return Row(f"gap in commands, {what}", "at most 2 periods", found, worst <= 2 * period)
 
 
-def _table(kill: str, hits: Sequence[FaultGap], period: float, quiet: float) -> Table:
+def _table(fault: str, gaps_after: Sequence[FaultGap], period: float, quiet: float) -> Table:
     def cell(seconds: list[float]) -> str:
         if not seconds:
-            return "commands nothing"
+            return "no commands"
         worst = max(seconds)
         return f"{worst / period:.2f} ({1e3 * worst:.0f} ms)"
 
-    rows = [("nobody", "", cell([quiet]))]
-    for victim in dict.fromkeys(hit.victim for hit in hits):
-        its = [hit for hit in hits if (hit.kill, hit.victim) == (kill, victim)]
-        own = cell([hit.own for hit in its if hit.own is not None])
-        rows.append((victim, own, cell([hit.others for hit in its])))
-    head = (BLOWS[kill], "its own role's commands, periods", "anybody else's, periods")
-    return Table(f"the longest gap just after a {BLOWS[kill]}", head, tuple(rows))
+    rows = [("none", "", cell([quiet]))]
+    for victim in dict.fromkeys(each.victim for each in gaps_after):
+        its = [each for each in gaps_after if (each.fault, each.victim) == (fault, victim)]
+        own = cell([each.own for each in its if each.own is not None])
+        rows.append((victim, own, cell([each.others for each in its])))
+    head = (SIGNALS[fault], "commands of its role [periods]", "of all other roles [periods]")
+    return Table(f"longest gap after a {SIGNALS[fault]}", head, tuple(rows))
 
 
 NOTES = (
-    "Every agent runs twice: one is obeyed, the other stands by. It is the obeyed one that is "
-    "hit. Gaps are between two commands that the plant obeyed, by its own clock.",
-    "The plant is the robot itself: without it there is nobody to command.",
+    "Every agent runs twice: the plant executes the commands of one process, the other is its "
+    "standby. The fault hits the former. A gap is the time between two commands that the plant "
+    "executed, by its own clock.",
+    "The plant is the robot itself: without it there is nothing to command.",
 )

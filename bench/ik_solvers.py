@@ -1,4 +1,4 @@
-"""What others would compute with: Pinocchio, pink and ikpy, on the same arms as ours."""
+"""Kinematics of other libraries for the same arms: Pinocchio, pink and ikpy."""
 
 from collections.abc import Callable
 from importlib.util import find_spec
@@ -11,15 +11,16 @@ from agents.agent import Array
 from plant.robot import Robot
 
 SOLVED = 0.001
-"""How near the goal the hand has to be [m]."""
-_STEPS = 200  # of an iteration, at most
+"""Distance to the goal that counts as solved [m]."""
+_STEPS = 200  # most iterations
 
 
 class Solver(NamedTuple):
-    """Somebody's kinematics of one arm.
+    """Kinematics of one arm by one library.
 
-    forward: (n,) joint angles [rad] to the tip (3,) [m]
-    solve: start (n,) [rad] and goal (3,) [m] to joint angles (n,) [rad]; None if it has none
+    Attributes:
+        forward: Joint angles (n,) [rad] to the tip (3,) [m].
+        solve: Start (n,) [rad] and goal (3,) [m] to joint angles (n,) [rad]; None if it has none.
     """
 
     forward: Callable[[Array], Array]
@@ -27,13 +28,13 @@ class Solver(NamedTuple):
 
 
 def missing() -> list[str]:
-    """Return which of the libraries to compare with are not installed."""
+    """Return the libraries that are not installed."""
     wanted = {"pin": "pinocchio", "pin-pink": "pink", "ikpy": "ikpy", "daqp": "daqp"}
     return [name for name, module in wanted.items() if find_spec(module) is None]
 
 
 def solvers(robot: Robot, urdf: Path, tip: str) -> dict[str, Solver]:
-    """Return all that are installed, for the arm of that file up to the link `tip`."""
+    """Return the solvers of all installed libraries, for the arm of a URDF file up to a link."""
     absent, found = missing(), {}
     if "pin" not in absent:
         arm = _Pinocchio(robot, urdf, tip)
@@ -46,10 +47,10 @@ def solvers(robot: Robot, urdf: Path, tip: str) -> dict[str, Solver]:
 
 
 class _Pinocchio:
-    """An arm in Pinocchio, with all other joints of its file locked, and a CLIK of few lines.
+    """An arm in Pinocchio, with all other joints of its file locked.
 
-    The CLIK is the one of Pinocchio's own examples for a position: damped least squares, here
-    clamped to the limits, until the hand is near enough.
+    The inverse kinematics is that of Pinocchio's example for a position: damped least squares, here
+    clamped to the joint limits.
     """
 
     def __init__(self, robot: Robot, urdf: Path, tip: str) -> None:
@@ -66,57 +67,57 @@ class _Pinocchio:
         self._lower = np.where(np.isfinite(robot.lower), robot.lower, -np.inf)
         self._upper = np.where(np.isfinite(robot.upper), robot.upper, np.inf)
 
-    def _place(self, turn: Array) -> Array:
-        """Return the tip (3,) [m] with joints turned so (n,) [rad]; the data are up to date."""
-        q = self._pin.integrate(self._model, self._neutral, turn)
+    def _tip_at(self, angles: Array) -> Array:
+        """Return the tip (3,) [m] at joint angles (n,) [rad], and update the model's data."""
+        q = self._pin.integrate(self._model, self._neutral, angles)
         self._pin.framesForwardKinematics(self._model, self._data, q)
         self._q = q
-        place: Array = self._data.oMf[self._tip].translation
-        return place
+        tip: Array = self._data.oMf[self._tip].translation
+        return tip
 
-    def forward(self, turn: Array) -> Array:
-        """Return the tip (3,) [m]."""
-        return self._place(turn).copy()
+    def forward(self, angles: Array) -> Array:
+        """Return the tip (3,) [m] at joint angles (n,) [rad]."""
+        return self._tip_at(angles).copy()
 
     def solve(self, start: Array, goal: Array) -> Array:
-        """Return the joint angles (n,) [rad] that damped least squares comes to."""
-        turn, frame = start.copy(), self._pin.LOCAL_WORLD_ALIGNED
+        """Return the joint angles (n,) [rad] by damped least squares."""
+        angles, frame = start.copy(), self._pin.LOCAL_WORLD_ALIGNED
         for _ in range(_STEPS):
-            away = goal - self._place(turn)
-            if away @ away < SOLVED**2 / 4:
+            error = goal - self._tip_at(angles)
+            if error @ error < SOLVED**2 / 4:
                 break
-            columns = self._pin.computeFrameJacobian(
+            jacobian = self._pin.computeFrameJacobian(
                 self._model, self._data, self._q, self._tip, frame
             )[:3]
-            square = columns @ columns.T + 1e-4 * np.eye(3)
-            turn += columns.T @ np.linalg.solve(square, away)
-            np.clip(turn, self._lower, self._upper, out=turn)
-        return turn
+            square = jacobian @ jacobian.T + 1e-4 * np.eye(3)
+            angles += jacobian.T @ np.linalg.solve(square, error)
+            np.clip(angles, self._lower, self._upper, out=angles)
+        return angles
 
     def solve_by_pink(self, start: Array, goal: Array) -> Array:
-        """Return the joint angles (n,) [rad] that pink's quadratic programmes come to."""
+        """Return the joint angles (n,) [rad] by pink's quadratic programs."""
         from pink import Configuration, solve_ik
         from pink.tasks import FrameTask
 
         pin, step = self._pin, 0.1  # [s]
         task = FrameTask(self._name, position_cost=1.0, orientation_cost=0.0, lm_damping=1e-6)
-        turn = start.copy()
+        angles = start.copy()
         configuration = Configuration(
-            self._model, self._data, pin.integrate(self._model, self._neutral, turn)
+            self._model, self._data, pin.integrate(self._model, self._neutral, angles)
         )
         task.set_target(pin.SE3(np.eye(3), goal))
         for _ in range(_STEPS):
-            place = configuration.get_transform_frame_to_world(self._name).translation
-            if np.linalg.norm(goal - place) < SOLVED / 2:
+            tip = configuration.get_transform_frame_to_world(self._name).translation
+            if np.linalg.norm(goal - tip) < SOLVED / 2:
                 break
             velocity = solve_ik(configuration, [task], step, solver="daqp", damping=1e-8)
             configuration.integrate_inplace(velocity, step)
-            turn += velocity * step
-        return turn
+            angles += velocity * step
+        return angles
 
 
 def _ikpy(robot: Robot) -> Solver:
-    """Return ikpy's chain of that arm; it minimises the distance by scipy's bounded search."""
+    """Return ikpy's solver, which minimises the distance by scipy's bounded search."""
     from ikpy.chain import Chain
     from ikpy.link import OriginLink, URDFLink
 
@@ -140,8 +141,8 @@ def _ikpy(robot: Robot) -> Solver:
         return np.concatenate([[0.0], angles, [0.0]])
 
     def forward(angles: Array) -> Array:
-        place: Array = chain.forward_kinematics(padded(angles))[:3, 3]
-        return place
+        tip: Array = chain.forward_kinematics(padded(angles))[:3, 3]
+        return tip
 
     def solve(start: Array, goal: Array) -> Array:
         angles: Array = chain.inverse_kinematics(goal, initial_position=padded(start))[1:-1]
@@ -151,7 +152,7 @@ def _ikpy(robot: Robot) -> Solver:
 
 
 def _roll_pitch_yaw(frame: Array) -> Array:
-    """Return the angles (3,) [rad] about fixed x, y and z, one after the other, of a frame."""
+    """Return the roll, pitch and yaw (3,) [rad] of a frame, about fixed axes."""
     pitch = np.arctan2(-frame[2, 0], np.hypot(frame[0, 0], frame[1, 0]))
     if np.hypot(frame[0, 0], frame[1, 0]) < 1e-9:
         return np.array([np.arctan2(-frame[1, 2], frame[1, 1]), pitch, 0.0])

@@ -1,4 +1,4 @@
-"""A robot launched as a user launches it, and what its logs say of when things happened."""
+"""A robot launched as by a user, and the events in its logs."""
 
 import subprocess
 import sys
@@ -16,28 +16,28 @@ from runtime.results.logs import read_log
 from runtime.wire.mesh import Endpoints, Mesh
 from runtime.wire.topics import PLANT
 
-_SPARE = 60.0  # [s] that a run may take longer than it should
-_LOOK = 0.02  # [s] between two looks at a log
+_SPARE = 60.0  # [s] that a run may take longer than planned
+_POLL = 0.02  # [s] between two reads of a log
 _MAIN = "import sys; {first}from runtime.cli import main; sys.exit(main(sys.argv[1:]))"
 _STAR = "from bench.launched import use_star_topology; use_star_topology(); "
 _HUBS = 2  # the first roles of a deployment: the plant and the goal source
 
 
 class Launched:
-    """A launcher's process, and the run that it has made.
+    """The process of a launcher, and its run.
 
     Attributes:
-        commanded: When it was started [s since 1970].
+        commanded: When the launcher was started, wall-clock time [s].
     """
 
-    def __init__(self, folder: Path, words: Sequence[str], *, star: bool, usual: bool) -> None:
+    def __init__(self, folder: Path, options: Sequence[str], *, star: bool, usual: bool) -> None:
         self._folder = folder
         self.commanded = time.time()
         port = () if usual else ("--set", f"port={free_port()}")
         main = _MAIN.format(first=_STAR if star else "")
         with (folder / "said").open("ab") as said:
             self.process = subprocess.Popen(
-                [sys.executable, "-c", main, "launch", *words, *port],
+                [sys.executable, "-c", main, "launch", *options, *port],
                 cwd=folder,
                 env=environment(),
                 stdin=subprocess.DEVNULL,
@@ -47,47 +47,45 @@ class Launched:
 
     @property
     def run(self) -> Path:
-        """The folder of the run; waits for it to be made."""
+        """The folder of the run; waits until the launcher has made it."""
         self._wait(lambda: any(self._folder.glob("runs/*/deployment.yaml")))
         return next(self._folder.glob("runs/*/deployment.yaml")).parent
 
     def log(self, role: str) -> list[dict[str, Any]]:
-        """Return what a role has logged by now."""
+        """Return the log of a role so far."""
         return read_log(self.run, role)
 
-    def until(self, role: str, event: str, count: int = 1, patience: float = _SPARE) -> None:
-        """Wait until a role has logged an event so many times."""
-        self._wait(
-            lambda: sum(line["event"] == event for line in self.log(role)) >= count, patience
-        )
+    def until(self, role: str, event: str, count: int = 1, timeout: float = _SPARE) -> None:
+        """Wait until a role has logged an event `count` times."""
+        self._wait(lambda: sum(line["event"] == event for line in self.log(role)) >= count, timeout)
 
-    def end(self, patience: float) -> None:
-        """Wait until the run is over, whatever has become of its launcher."""
-        self.process.wait(patience + _SPARE)
-        self.until(PLANT, "end", patience=patience)
+    def end(self, timeout: float) -> None:
+        """Wait until the run is over, even without its launcher."""
+        self.process.wait(timeout + _SPARE)
+        self.until(PLANT, "end", timeout=timeout)
 
-    def _wait(self, ready: Callable[[], bool], patience: float = _SPARE) -> None:
-        until = time.monotonic() + patience
+    def _wait(self, ready: Callable[[], bool], timeout: float = _SPARE) -> None:
+        until = time.monotonic() + timeout
         while not ready():
             if time.monotonic() > until:
                 said = (self._folder / "said").read_text(errors="replace").strip()
-                raise BenchError(f"the launch came to nothing: {said or 'it said nothing'}")
-            time.sleep(_LOOK)
+                raise BenchError(f"the launch failed: {said or 'no output'}")
+            time.sleep(_POLL)
 
 
 @contextmanager
 def launched(
-    words: Sequence[str], *, star: bool = False, usual: bool = False
+    options: Sequence[str], *, star: bool = False, usual: bool = False
 ) -> Iterator[Launched]:
     """Launch a robot for the duration of a `with` block, and remove all its files afterwards.
 
     Args:
-        words: The arguments of `msma launch`.
+        options: The arguments of `msma launch`.
         star: Link the agents to the plant and the goal source only, not to each other.
         usual: Use the ports that the robot's name gives, where tools look for it, not free ones.
     """
-    with tempfile.TemporaryDirectory(prefix="msma-bench-") as place:
-        found = Launched(Path(place), words, star=star, usual=usual)
+    with tempfile.TemporaryDirectory(prefix="msma-bench-") as folder:
+        found = Launched(Path(folder), options, star=star, usual=usual)
         try:
             yield found
         finally:

@@ -1,7 +1,7 @@
-"""The loop from state to command through real processes, beside plain Zenoh that only echoes.
+"""The loop from state to command through real processes, beside an echo over plain Zenoh.
 
-Where a bar is a matter of processors' time, beside an echo that also reads and decides: what is to
-be had on the machine for as many processes in Python with these laws and messages.
+At the rates where processor time is the limit, also beside an echo that decides: the limit on this
+machine for this number of Python processes with these laws and messages.
 """
 
 import time
@@ -21,34 +21,34 @@ from bench.msma_runs import ARPH, deployed, run_msma
 from studies.study import Progress, Row
 
 RATES = {17: 5.0, 100: 4.0, 500: 20.0, 1000: 6.0, 2000: 3.0}
-"""Rate [Hz] to how long it is measured in each round [s]: to tell 99.99 % takes ten thousands."""
+"""Rates [Hz], and the duration of each in a round [s]; 99.99 % takes ten thousands of ticks."""
 ROUNDS = 3
 DETAILED = (500, 1000)
-"""Rates [Hz] at which there are more sides: those of the bars on time and processors."""
-OURS, PLAIN, DECIDING = "msma", "plain Zenoh", "plain Zenoh that reads and decides"
+"""Rates [Hz] with further variants: those of the bars on time and processors."""
+OURS, PLAIN, DECIDING = "msma", "plain Zenoh", "plain Zenoh that also decides"
 EVERY_STATE = "msma, deciding on every state"
-"""Ours again without `Agent.rest`: what that saves."""
+"""MSMA without `Agent.rest`, to show what that saves."""
 BUSY = "msma, other programs on all cores"
-"""Ours again beside as many programs as there are cores, none of which rests: nor do the cores."""
-_THOUGHTS = 500  # in a row
+"""MSMA beside a busy loop on each core, so that no core is ever idle."""
+_REPETITIONS = 500
 MOST_OFF = 0.006
-"""Off the goal in a run that counts as done [m]: at 60 ms, twice what the paper says."""
+"""Largest error of a run that counts as done [m]: at 60 ms, twice that of the paper."""
 
 Runs = Mapping[str, Sequence[Measurement]]
 
 
 class LoopBench(Bench):
-    """Answer times, share of ticks answered, processors and memory at five rates."""
+    """Latency, share of ticks answered, processor time and memory at five rates."""
 
     name = "loop"
-    title = "The loop: plant and seven agents, beside plain Zenoh that only echoes"
+    title = "The loop of a plant and seven agents, beside an echo over plain Zenoh"
 
     def __init__(self, rates: Mapping[int, float] = RATES, rounds: int = ROUNDS) -> None:
-        """Measure at those rates [Hz], each for so long [s] in each round."""
+        """Measure at rates [Hz], each for a duration [s] in each round."""
         self._rates, self._rounds = rates, rounds
 
     def measure(self, size: float, progress: Progress) -> Result:
-        """Measure all sides in turn at each rate."""
+        """Measure all systems at each rate, interleaved."""
         rounds = max(round(self._rounds * min(4 * size, 1)), 1)
         off: dict[int, list[float]] = {rate: [] for rate in self._rates}
         sides = {
@@ -64,7 +64,7 @@ class LoopBench(Bench):
         return Result(
             checks=tuple(checks),
             bars=tuple(bars(found)),
-            tables=(_times(found), _costs(found), *work_table(found)),
+            tables=(_times(found), _costs(found), *work_tables(found)),
             notes=NOTES,
             data={
                 str(rate): {
@@ -79,8 +79,8 @@ class LoopBench(Bench):
         )
 
     def draw(self, result: Result, folder: Path) -> tuple[Path, ...]:
-        """Draw the answers' times."""
-        from bench.drawing import answer_times
+        """Draw the latencies."""
+        from bench.drawing import latencies
 
         curves = {
             f"{rate} Hz": {
@@ -92,26 +92,30 @@ class LoopBench(Bench):
             }
             for rate, sides in result.data.items()
         }
-        return (answer_times(curves, folder / "loop.png"),)
+        return (latencies(curves, folder / "loop.png"),)
 
 
 def _sides(
-    rate: int, seconds: float, off: list[float], progress: Progress
+    rate: int, seconds: float, errors: list[float], progress: Progress
 ) -> dict[str, Callable[[], Measurement]]:
-    """Return what measures each side at a rate [Hz], for so long [s].
+    """Return functions that measure each system at a rate.
 
-    off: where to say how far off its goal our hand was at worst [m]
+    Args:
+        rate: [Hz].
+        seconds: Duration [s].
+        errors: Takes the worst error of the hand in MSMA's runs [m].
+        progress: Receives which system is measured.
     """
 
     def ours(*, every_state: bool = False) -> Measurement:
         period = "60 ms" if rate == 17 else f"{1e3 / rate:g} ms"
         name = f"robot=bench-loop-{rate}"
         deployment = deployed(ARPH, name, f"period={period}", "plant.hold=240 ms")
-        told = run_msma(deployment, seconds, every_state=every_state)
-        off.append(told.error)
-        return told.measured
+        run = run_msma(deployment, seconds, every_state=every_state)
+        errors.append(run.error)
+        return run.measured
 
-    def amid() -> Measurement:
+    def beside_busy_loops() -> Measurement:
         with busy_cores():
             return ours()
 
@@ -130,12 +134,12 @@ def _sides(
     if rate in DETAILED:
         sides[DECIDING] = lambda: run_plain(hertz, seconds, decides=True)
         sides[EVERY_STATE] = lambda: ours(every_state=True)
-        sides[BUSY] = amid
+        sides[BUSY] = beside_busy_loops
     return {side: shown(side, measure) for side, measure in sides.items()}
 
 
 def run_plain(rate: float, seconds: float, *, decides: bool = False) -> Measurement:
-    """Let plain Zenoh echo, in as many processes as ours, each of which also `decides` if so."""
+    """Run the echo over plain Zenoh; with `decides`, its processes also decide."""
     port = free_port()
     program = "bench.echo.deciding_zenoh" if decides else "bench.echo.plain_zenoh"
     return run_side(
@@ -147,43 +151,43 @@ def run_plain(rate: float, seconds: float, *, decides: bool = False) -> Measurem
 def _checks(rate: int, sides: Runs, off: float) -> list[Check]:
     checks = [
         Check(
-            f"{rate} Hz, {OURS}: hand off its goal at worst", f"{1e3 * off:.2f} mm", off < MOST_OFF
+            f"{rate} Hz, {OURS}: largest error of the hand", f"{1e3 * off:.2f} mm", off < MOST_OFF
         )
     ]
     for side, runs in sides.items():
-        told = min(run.ticks["ticks"] / (run.ticks["ticks"] + run.ticks["missed"]) for run in runs)
+        sent = min(run.ticks["ticks"] / (run.ticks["ticks"] + run.ticks["missed"]) for run in runs)
         silent = [
             role for run in runs for role, answers in run.ticks["heard"].items() if not answers
         ]
-        text = f"{100 * told:.2f} % told, all answer" if not silent else f"no answer: {silent}"
-        # how many are told and answered in time is a figure: at 2 kHz it says where it ends
-        checks.append(Check(f"{rate} Hz, {side}: ticks told", text, not silent))
+        text = f"{100 * sent:.2f} % sent, all answer" if not silent else f"no answer: {silent}"
+        # the shares sent and answered in time are results, not checks: at 2 kHz they show the limit
+        checks.append(Check(f"{rate} Hz, {side}: ticks sent", text, not silent))
     return checks
 
 
 def bars(found: Mapping[int, Runs]) -> list[Row]:
-    """Return what was to be reached; where it is a matter of time, beside what can be."""
+    """Return the bars, beside the limit where processor time decides."""
     rows = []
     if 1000 in found:
         slower = _slower(found[1000], OURS)
-        words = f"{slower.text()}; {DECIDING}: {_slower(found[1000], DECIDING).text()}"
+        text = f"{slower.text()}; {DECIDING}: {_slower(found[1000], DECIDING).text()}"
         rows += [
             _answered(1000, found[1000], 0.999),
-            Row("1 kHz: p99 beside plain Zenoh", "at most 1.5 x", words, slower.median <= 1.5),
+            Row("1 kHz: p99 over that of plain Zenoh", "at most 1.5 x", text, slower.median <= 1.5),
         ]
     if 500 in found:
         cores = {side: median(run.cores for run in runs) for side, runs in found[500].items()}
-        words = _beside({side: f"{each:.2f} cores" for side, each in cores.items()})
+        text = _beside({side: f"{each:.2f} cores" for side, each in cores.items()})
         rows += [
             _answered(500, found[500], 0.9999),
-            Row("500 Hz: all processes together", "under 1 core", words, cores[OURS] < 1),
+            Row("500 Hz: processor time of all processes", "under 1 core", text, cores[OURS] < 1),
         ]
     if 17 in found:
         used = [usage for run in found[17][OURS] for usage in run.usage.values()]
         cpu, pss = max(usage.cpu for usage in used), max(usage.pss for usage in used)
         cost, size = f"{100 * cpu:.1f} %", f"{pss / 1e6:.1f} MB (PSS)"
         rows += [
-            Row("60 ms: processor of each process", "under 5 % of a core", cost, cpu < 0.05),
+            Row("60 ms: processor time of each process", "under 5 % of a core", cost, cpu < 0.05),
             Row("60 ms: memory of each process", "under 60 MB", size, pss < 60e6),
         ]
     return rows
@@ -195,18 +199,18 @@ def _slower(sides: Runs, side: str) -> Ratio:
 
 
 def _answered(rate: int, sides: Runs, bar: float) -> Row:
-    words = {}
+    shares = {}
     for side, runs in sides.items():
         due = _due(runs)
         late = due - _in_time(runs)
-        words[side] = f"{100 * (1 - late / due):.3f} % (all but {late} of {due})"
+        shares[side] = f"{100 * (1 - late / due):.3f} % (all but {late} of {due})"
     what = f"{rate} Hz: answered by all in the period"
     held = _in_time(sides[OURS]) >= bar * _due(sides[OURS])
-    return Row(what, f"{100 * bar:g} %", _beside(words), held)
+    return Row(what, f"{100 * bar:g} %", _beside(shares), held)
 
 
 def _beside(figures: Mapping[str, str]) -> str:
-    """Return our figure, and by name those that say what there is to be had."""
+    """Return MSMA's figure, followed by the others with their names."""
     others = [f"{side}: {figure}" for side, figure in figures.items() if side != OURS]
     return "; ".join((figures[OURS], *others))
 
@@ -233,9 +237,9 @@ def _times(found: Mapping[int, Runs]) -> Table:
             ]
             rows.append((f"{rate} Hz", side, *times, f"{100 * _in_time(runs) / _due(runs):.3f} %",
                          *(each.text() if side != PLAIN else "" for each in beside)))  # fmt: skip
-    head = ("rate", "side", "p50 [ms]", "p99", "p99.9", "max", "all in time",
-            "p50 beside plain", "p99 beside plain")  # fmt: skip
-    return Table("from state to command, at the plant", head, tuple(rows))
+    head = ("rate", "system", "p50 [ms]", "p99", "p99.9", "max", "all in time",
+            "p50 / plain", "p99 / plain")  # fmt: skip
+    return Table("latency from state to command, at the plant", head, tuple(rows))
 
 
 def _costs(found: Mapping[int, Runs]) -> Table:
@@ -253,13 +257,13 @@ def _costs(found: Mapping[int, Runs]) -> Table:
                 f"{max(usage.rss for usage in every) / 1e6:.1f}",
                 f"{max(usage.threads for usage in every)}",
             ))  # fmt: skip
-    head = ("rate", "side", "plant: cpu", "goal", "an agent", "all: cores",
+    head = ("rate", "system", "plant: cpu", "goal", "an agent", "all: cores",
             "largest PSS [MB]", "RSS [MB]", "threads")  # fmt: skip
-    return Table("what the processes cost", head, tuple(rows))
+    return Table("cost of the processes", head, tuple(rows))
 
 
-def work_table(found: Mapping[int, Runs]) -> list[Table]:
-    """Return what reading, deciding and telling take a tick, alone and among all others."""
+def work_tables(found: Mapping[int, Runs]) -> list[Table]:
+    """Return the cost of unpacking, deciding and packing per tick, alone and beside the others."""
     rates = [rate for rate in found if rate in DETAILED]
     if not rates:
         return []
@@ -275,40 +279,40 @@ def work_table(found: Mapping[int, Runs]) -> list[Table]:
         ]
         alone = _alone(tick_work(role, 1 / max(rates)).whole)
         rows.append((role, f"{1e6 * alone:.0f}", *(f"{1e6 * each:.0f}" for each in more)))
-    head = ("process", "again and again, alone", *(f"at {rate} Hz, among all" for rate in rates))
-    return [Table("reading, thinking and writing, in us of a processor a tick", head, tuple(rows))]
+    head = ("process", "alone, repeated", *(f"at {rate} Hz, beside all others" for rate in rates))
+    title = "processor time of unpacking, deciding and packing, in us per tick"
+    return [Table(title, head, tuple(rows))]
 
 
-def _alone(think: Callable[[], object]) -> float:
-    """Return how long it takes a processor [s] that does nothing else, and has for a while."""
-    for _ in range(_THOUGHTS):
-        think()
+def _alone(work: Callable[[], object]) -> float:
+    """Return the processor time of work [s] that is repeated with warm caches."""
+    for _ in range(_REPETITIONS):
+        work()
     begun = time.thread_time()
-    for _ in range(_THOUGHTS):
-        think()
-    return (time.thread_time() - begun) / _THOUGHTS
+    for _ in range(_REPETITIONS):
+        work()
+    return (time.thread_time() - begun) / _REPETITIONS
 
 
 NOTES = (
-    "Each round starts all processes of each side anew; times are medians over the rounds, shares "
-    "are of all their ticks, ratios are of the two sides in the same round (least to most).",
-    "Plain Zenoh has the same sessions, keys, sizes and number of processes; its agents send the "
-    "number of the tick back and do nothing else.",
-    "Our agents answer every state, and decide 100 times a second at most: in between they answer "
-    "with what they decided last, for within a twelfth of its horizon their law comes to the same. "
-    "They answer first, and decide then, so that no answer waits for a decision. "
-    f"'{EVERY_STATE}' has both left out.",
-    "Plain Zenoh that reads and decides does in each agent what our agent's law does for a "
-    "decision, as often as ours, on percepts that were recorded, and a step of the simulation in "
-    "the plant, and each reads and writes the messages of the wire contract that this takes at the "
-    "least. So it is what is to be had for as many processes with these laws and messages. Ours "
-    "hold each message against who else speaks in that role, put percepts together and log, too. "
-    "What it takes more of a processor per tick than the plain echo is what it reads, thinks and "
-    "writes among all others.",
-    "All processes of all sides ask to be scheduled in real time, as ours do in a launch. Where "
-    "that is not granted, programs on all cores hold a robot up. Where it is, they help: a core "
-    "that is never idle need not be woken, which takes long where the machine is virtual.",
-    "A tick counts as answered in time when the commands of all seven have arrived within its "
-    "period at the process that told it, by that process's clock. Ticks that it was too late to "
-    "tell count as not answered.",
+    "Each round starts all processes of each system anew. Times are medians over the rounds, "
+    "shares are of all ticks, ratios are of two systems in the same round (minimum to maximum).",
+    "Plain Zenoh has the same sessions, keys, message sizes and number of processes; its agents "
+    "only return the number of the tick.",
+    "MSMA's agents answer every state and decide at most 100 times a second. In between they "
+    "repeat the last decision, because within a twelfth of its horizon their law gives the same "
+    "result. They answer first and then decide, so that no answer waits for a decision. "
+    f"'{EVERY_STATE}' has neither.",
+    "Plain Zenoh that also decides does in each agent what our agent's law does for a decision, as "
+    "often as MSMA, on recorded percepts, and in the plant a step of the simulation. All of its "
+    "processes also pack and unpack the messages of the wire contract that this requires. So it "
+    "shows the limit for this number of Python processes with these laws and messages. MSMA also "
+    "arbitrates between sources, assembles percepts, and logs. Its processor time per tick beyond "
+    "that of the plain echo is the cost of unpacking, deciding and packing beside other processes.",
+    "All processes of all systems ask for real-time scheduling, as those of a launch do. Where it "
+    "is not granted, programs on all cores delay a robot. Where it is granted, they help: a core "
+    "that is never idle need not be woken, which takes long on a virtual machine.",
+    "A tick is answered in time if the commands of all seven agents arrive within its period at "
+    "the process that published it, by that process's clock. Ticks that it was too late to publish "
+    "count as not answered.",
 )

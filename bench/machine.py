@@ -18,7 +18,7 @@ from runtime.spawning.ports import is_taken
 from runtime.wire.mesh import ALL_BASES, SLOTS
 
 _LIBRARIES = ("eclipse-zenoh", "numpy", "msgpack")
-_NAPS = 500  # of 1 ms, to see how late it wakes
+_NAPS = 500  # of 1 ms
 
 
 def free_port() -> int:
@@ -48,16 +48,18 @@ def busy_cores() -> Iterator[None]:
 
 @dataclass(frozen=True)
 class Machine:
-    """A machine in words and numbers.
+    """A description of the machine.
 
     Attributes:
-        processor, cores: What computes, and how many of it this process may use.
-        memory: [bytes].
-        system, python: With their versions.
-        libraries: Name to version.
-        wakes_late: How late it wakes from a sleep of 1 ms: in half of all cases, and in 99 of
-            100 [s]. No loop in Python answers faster than that.
-        others: Load of the others when it began: how many wanted a core (1 minute's mean).
+        processor: Name of the processor.
+        cores: Number of cores that this process may use.
+        memory: Size of the memory [bytes].
+        system: Name and version of the operating system.
+        python: Version of Python.
+        libraries: Version of each library.
+        wakes_late: Delay of waking from a sleep of 1 ms: median and 99th percentile [s]. No loop
+            in Python answers faster.
+        others: Load average of the last minute at the start.
     """
 
     processor: str
@@ -70,22 +72,22 @@ class Machine:
     others: float
 
     def text(self) -> str:
-        """Return it in one line."""
+        """Return the description in one line."""
         libraries = ", ".join(f"{name} {number}" for name, number in self.libraries.items())
         half, most = (f"{1e3 * late:.2f}" for late in self.wakes_late)
         return (
             f"{self.processor}, {self.cores} cores, {self.memory / 2**30:.1f} GiB; {self.system}; "
-            f"Python {self.python}; {libraries}; a sleep of 1 ms ends {half} ms late (99 of 100: "
+            f"Python {self.python}; {libraries}; a sleep of 1 ms ends {half} ms late (99 %: "
             f"{most} ms); load before {self.others:.2f}"
         )
 
     def data(self) -> dict[str, Any]:
-        """Return it for JSON."""
+        """Return the description for JSON."""
         return asdict(self)
 
 
 def describe() -> Machine:
-    """Look at the machine; takes half a second."""
+    """Describe the machine; takes half a second."""
     late = sorted(_late() for _ in range(_NAPS))
     return Machine(
         processor=_processor(),
@@ -123,13 +125,13 @@ def _version(library: str) -> str | None:
 
 
 class CoreUsage:
-    """How much of the machine was used, and taken by its host, since this was made."""
+    """Measures the use of all cores since it was made."""
 
     def __init__(self) -> None:
         self._before = _processor_times()
 
     def shares(self) -> tuple[float, float]:
-        """Return the shares of all cores that were busy, and that the host gave to others."""
+        """Return the shares of all cores that were busy, and that were stolen by the host."""
         spent = [now - then for now, then in zip(_processor_times(), self._before, strict=True)]
         total = sum(spent) or 1.0
         idle, stolen = spent[3] + spent[4], spent[7]
@@ -137,7 +139,7 @@ class CoreUsage:
 
 
 def _processor_times() -> list[float]:
-    """User, nice, system, idle, iowait, irq, softirq, steal, in ticks of all cores together."""
+    """Return user, nice, system, idle, iowait, irq, softirq and steal [ticks], of all cores."""
     try:
         line = Path("/proc/stat").read_text(encoding="ascii").split("\n", 1)[0]
     except OSError:

@@ -1,4 +1,4 @@
-"""Our plant as a process of its own, with the stopwatch of the benches in place of its meters."""
+"""MSMA's plant process with the stopwatch of the benches instead of its own meters."""
 
 import argparse
 from pathlib import Path
@@ -11,25 +11,25 @@ from runtime.processes.process import Process
 from runtime.wire import topics
 
 
-class Watched(AnswerTimes):
-    """Keeps each state that is published and each answer, exactly."""
+class StopwatchMeter(AnswerTimes):
+    """Passes each sent tick and each answer to the stopwatch."""
 
     def __init__(self, ticks: Ticks, period: float) -> None:
         super().__init__()
         self._ticks, self._step = ticks, period
 
     def sent(self, t: float, now: float) -> None:
-        """Note that the state of plant time `t` [s] was published `now` [s]."""
+        """Record that the state of plant time `t` [s] is sent `now` [s, monotonic]."""
         self._ticks.sent(round(t / self._step), now)
 
     def answered(self, role: str, t: float, now: float) -> None:
-        """Note that the answer of a role to the state of `t` [s] arrived `now` [s]."""
+        """Record that an answer of `role` to the state of `t` [s] arrives `now` [s, monotonic]."""
         self._ticks.answered(role, round(t / self._step), now)
 
 
 def main() -> int:
-    """Be the plant of a deployment, and measure for a while."""
-    parser = argparse.ArgumentParser(description="The plant, measured.")
+    """Run the plant of a deployment, and measure."""
+    parser = argparse.ArgumentParser(description="A plant that measures its agents.")
     parser.add_argument("file", type=Path)
     parser.add_argument("run", type=Path)
     parser.add_argument("seconds", type=float)
@@ -38,7 +38,7 @@ def main() -> int:
     period = deployment.period
     ticks = Ticks([agent.role for agent in deployment.agents], period, args.seconds)
     with Process(deployment, deployment.processes[0], args.file, args.run) as process:
-        return process.live(PlantNode(process, Watched(ticks, period)))
+        return process.live(PlantNode(process, StopwatchMeter(ticks, period)))
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""The processes of a deployment of ours as one side of a comparison."""
+"""Measured runs of MSMA's processes."""
 
 import tempfile
 from dataclasses import dataclass
@@ -19,9 +19,11 @@ ARPH = ROOT / "deploy" / "arph.yaml"
 
 @dataclass(frozen=True)
 class MsmaRun:
-    """What one run gave: as of any side, and how far off its goal the hand was.
+    """Results of one run of MSMA.
 
-    error: the worst after `SETTLING`, or in the last half if the run was shorter [m]
+    Attributes:
+        measured: Results as for any system.
+        error: Largest error of the hand after `SETTLING`, or in the last half of a shorter run [m].
     """
 
     measured: Measurement
@@ -29,7 +31,7 @@ class MsmaRun:
 
 
 def deployed(file: Path, *overrides: str) -> Deployment:
-    """Return a deployment with values replaced, each such as `period=1 ms`, on free ports."""
+    """Return a deployment on free ports, with overrides such as `period=1 ms`."""
     made = []
     for text in (f"port={free_port()}", *overrides):
         path, _, value = text.partition("=")
@@ -38,22 +40,25 @@ def deployed(file: Path, *overrides: str) -> Deployment:
 
 
 def run_msma(deployment: Deployment, seconds: float, *, every_state: bool = False) -> MsmaRun:
-    """Start all processes of a deployment and measure for `seconds` [s].
+    """Start all processes of a deployment, and measure.
 
-    every_state: the agents decide on every state, of use or not
+    Args:
+        deployment: The deployment.
+        seconds: Duration of the measurement [s].
+        every_state: Let the agents decide on every state, without `Agent.rest`.
     """
     agents = {spec.role for spec in deployment.agents}
-    with tempfile.TemporaryDirectory(prefix="msma-bench-") as place:
-        folder = Path(place)
+    with tempfile.TemporaryDirectory(prefix="msma-bench-") as name:
+        folder = Path(name)
         file = folder / "deployment.yaml"
         file.write_text(deployment.dump(), encoding="utf-8")
         said = folder / "said"
-        commands = {topics.PLANT: ["bench.measured_plant", str(file), place, f"{seconds:g}"]}
+        commands = {topics.PLANT: ["bench.measured_plant", str(file), name, f"{seconds:g}"]}
         for role in deployment.roles:
             if every_state and role in agents:
-                commands[role] = ["bench.every_state_agent", str(file), role, place]
+                commands[role] = ["bench.every_state_agent", str(file), role, name]
             elif role != topics.PLANT:
-                commands[role] = ["runtime.cli", "agent", str(file), role, "--run", place]
+                commands[role] = ["runtime.cli", "agent", str(file), role, "--run", name]
         measured = run(commands, seconds, errors=said)
         record = read_run_log(folder)
     assert deployment.goal is not None

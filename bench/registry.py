@@ -1,4 +1,4 @@
-"""The benches there are, by name; each is a module of its own."""
+"""The benches by name."""
 
 from importlib import import_module
 
@@ -12,11 +12,15 @@ BENCHES = {
     "decide": "bench.decide:DecideBench",
     "gap": "bench.gap:GapBench",
 }
-"""`module:Class` of each."""
+"""`module:Class` by name."""
 
 
 def bench(name: str) -> Bench:
-    """Return the bench of that name; `BenchError` names the ones there are."""
+    """Return the bench of that name.
+
+    Raises:
+        BenchError: There is none; the message lists the valid names.
+    """
     if name not in BENCHES:
         raise BenchError(f"there is no bench {name!r}; valid are {', '.join(BENCHES)}, all")
     module, _, kind = BENCHES[name].partition(":")

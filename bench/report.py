@@ -1,4 +1,4 @@
-"""What a bench measured, written down: Markdown and JSON, and one page of all."""
+"""The results of a bench as Markdown and JSON, and one page of all."""
 
 import json
 from collections.abc import Iterable, Sequence
@@ -12,17 +12,17 @@ from studies.report import cells
 
 @dataclass(frozen=True)
 class Report:
-    """A bench that was run.
+    """The results of one bench.
 
     Attributes:
-        bench: Which.
-        result: What it measured.
-        machine: On what.
+        bench: The bench.
+        result: Its results.
+        machine: The machine.
         pictures: Its picture files.
         seconds: How long it took [s].
         size: Share of the full time.
-        busy: Share of all cores that were busy meanwhile.
-        stolen: Share of all cores that the machine's host gave to others.
+        busy: Share of all cores that was busy meanwhile.
+        stolen: Share of all cores that the host of a virtual machine gave to others.
     """
 
     bench: Bench
@@ -43,25 +43,25 @@ class Report:
         done = "" if self.result.sound else "; THE WORK WAS NOT DONE"
         return (
             f"{met} of {len(barred)} bars met, {self.seconds:.0f} s{part}, cores "
-            f"{100 * self.busy:.0f} % busy, {100 * self.stolen:.1f} % taken by the host{done}"
+            f"{100 * self.busy:.0f} % busy, {100 * self.stolen:.1f} % stolen by the host{done}"
         )
 
 
 def tables(result: Result) -> list[Table]:
-    """Return all tables of a result: that the work was done, the bars, and the rest."""
+    """Return all tables of a result: the checks, the bars, and the measurements."""
     checks = tuple(
         (check.what, check.seen, "yes" if check.passed else "NO") for check in result.checks
     )
     head, *bars = cells(result.bars)
     found = [
-        Table("was the work done", ("what", "seen", ""), checks),
+        Table("checks that the work was done", ("what", "found", ""), checks),
         Table("bars", head, tuple(bars)),
     ]
     return [table for table in (*found, *result.tables) if table.rows]
 
 
 def markdown(report: Report) -> str:
-    """Return a bench's section in Markdown; its pictures are beside it."""
+    """Return the report of a bench in Markdown, with links to its pictures."""
     lines = [f"## {report.bench.title}", "", f"`msma bench {report.bench.name}`: {report.summary}"]
     for table in tables(report.result):
         lines += ["", f"**{table.title}**", "", _line(table.head)]
@@ -73,13 +73,13 @@ def markdown(report: Report) -> str:
 
 
 def page(reports: Sequence[Report]) -> str:
-    """Return one Markdown page of benches that ran on one machine."""
+    """Return one Markdown page of benches on one machine."""
     top = f"# Benches\n\nMeasured on {reports[0].machine.text()}.\n"
     return "\n".join([top, *map(markdown, reports)])
 
 
 def as_json(report: Report) -> str:
-    """Return all that was measured as JSON, with the machine."""
+    """Return all measurements as JSON, with the machine."""
     result = report.result
     return json.dumps(
         {
@@ -104,7 +104,7 @@ def as_json(report: Report) -> str:
 
 
 def write(report: Report, folder: Path) -> None:
-    """Write a bench's Markdown and JSON into `folder`."""
+    """Write the Markdown and the JSON of a bench into `folder`."""
     name = report.bench.name
     (folder / f"{name}.md").write_text(page([report]), encoding="utf-8")
     (folder / f"{name}.json").write_text(as_json(report) + "\n", encoding="utf-8")

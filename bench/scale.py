@@ -1,4 +1,4 @@
-"""How the loop grows with the number of joints: 4 to 64 agents of a long planar arm."""
+"""How the cost of the loop grows with the number of joints: 4 to 64 agents of a planar arm."""
 
 import tempfile
 import time
@@ -24,25 +24,32 @@ from studies.study import Progress, Row
 
 SIZES = (4, 8, 16, 32, 64)
 PERIOD, SECONDS = 0.06, 5.0
-"""Of the control loop, and how long each is measured [s]."""
+"""Control period, and duration of each measurement [s]."""
 FULL, STAR, HOSTS = "full mesh", "plant and goal only", "full mesh, three hosts"
 HOSTS_UP_TO = 16
-"""Joints of the longest arm that is spread over three namespaced hosts: they share these cores."""
+"""Joints of the longest arm on three hosts, which are namespaces that share these cores."""
 BARRED = 32
 NEAR = 0.01
-"""Off its goal the hand of a run that counts as done [m]: a hundredth of the arm's length."""
-_PATIENCE = 25.0  # [s] for all to be obeyed
+"""Largest error of a run that counts as done [m]: a hundredth of the arm's length."""
+_START_TIMEOUT = 25.0  # [s] until the plant executes the commands of all agents
 _OTHERS = 2  # the plant and the goal source
 
 
 class ArmMeasurement(NamedTuple):
-    """One arm, measured.
+    """Results for one arm.
 
-    due, answered: ticks told, times agents, and those in whose period a new command came
-    p50, p99: from a state to a command of an agent [s]
-    cpu: all processes together, in cores; agent: the median agent's [share of a core]
-    pss: the largest process, and all together [bytes]; links: between all processes
-    off: the hand off its goal at the end [m]; ready: from the command to all obeyed [s]
+    Attributes:
+        joints: Number of joints.
+        due: Number of answers due: ticks times agents.
+        answered: Number of those that arrived within their period.
+        p50: Median latency from a state to a command [s].
+        p99: 99th percentile of it [s].
+        cpu: Cores that all processes use together.
+        agent: Share of a core of the median agent.
+        pss: Memory of the largest process, and of all together [bytes].
+        links: Number of connections between all processes.
+        off: Error of the hand at the end [m].
+        ready: Time from the command until the plant executes the commands of all agents [s].
     """
 
     joints: int
@@ -59,17 +66,17 @@ class ArmMeasurement(NamedTuple):
 
 
 class ScaleBench(Bench):
-    """Answer times, processors, memory and links of longer and longer arms."""
+    """Latency, processor time, memory and connections of arms with more and more joints."""
 
     name = "scale"
     title = "From 4 to 64 agents of one arm"
 
     def __init__(self, sizes: Sequence[int] = SIZES, *, hosts: bool = True) -> None:
-        """Grow through these numbers of joints; `hosts`: over three hosts as well."""
+        """Measure arms with `sizes` joints; with `hosts`, also on three hosts."""
         self._sizes, self._hosts = sizes, hosts
 
     def measure(self, size: float, progress: Progress) -> Result:
-        """Measure every arm with a full mesh, then with star, then on three hosts."""
+        """Measure every arm with a full mesh, with a star, and on three hosts."""
         seconds = max(SECONDS * size, 1.0)
         sides = [(side, n) for n in self._sizes for side in (FULL, STAR)]
         if self._hosts:
@@ -85,7 +92,7 @@ class ScaleBench(Bench):
                 failed.append(f"{joints} joints, {side}: {error}")
         return Result(
             checks=tuple(
-                Check(f"{one.joints} joints, {side}: hand off its goal", f"{1e3 * one.off:.2f} mm",
+                Check(f"{one.joints} joints, {side}: error of the hand", f"{1e3 * one.off:.2f} mm",
                       one.off < NEAR)
                 for side, runs in found.items() for one in runs
             ),
@@ -96,26 +103,26 @@ class ScaleBench(Bench):
         )  # fmt: skip
 
     def draw(self, result: Result, folder: Path) -> tuple[Path, ...]:
-        """Draw how processors' time and answers grow."""
+        """Draw processor use and latency over the number of joints."""
         from bench.drawing import growth
 
         return (growth(result.data, folder / "scale.png"),)
 
 
 def _grow(joints: int, side: str, seconds: float) -> ArmMeasurement:
-    """Launch an arm of so many joints, and measure it once all agents are obeyed."""
-    with tempfile.TemporaryDirectory(prefix="msma-bench-") as place:
-        file = write_arm(Path(place), joints, spread=side == HOSTS)
-        words = [str(file), "--robot", f"bench-scale-{joints}"]
-        words += ["--rehearse"] if side == HOSTS else []
-        with launched(words, star=side == STAR) as run:
+    """Launch an arm, and measure it once the plant executes the commands of all agents."""
+    with tempfile.TemporaryDirectory(prefix="msma-bench-") as folder:
+        file = write_arm(Path(folder), joints, spread=side == HOSTS)
+        options = [str(file), "--robot", f"bench-scale-{joints}"]
+        options += ["--rehearse"] if side == HOSTS else []
+        with launched(options, star=side == STAR) as run:
             try:
-                run.until(PLANT, "obeys", joints, _PATIENCE)
+                run.until(PLANT, "obeys", joints, _START_TIMEOUT)
             except BenchError:
                 count = len({line["role"] for line in read_log(run.run, PLANT, "obeys")})
                 links = _links(run)
                 raise BenchError(
-                    f"after {_PATIENCE:g} s only {count} of {joints} agents were obeyed, "
+                    f"after {_START_TIMEOUT:g} s only {count} of {joints} agents were active, "
                     f"with {links} links"
                 ) from None
             ready = max(line["wall"] for line in read_log(run.run, PLANT, "obeys")) - run.commanded
@@ -130,10 +137,10 @@ def _grow(joints: int, side: str, seconds: float) -> ArmMeasurement:
             record = read_run_log(run.run)
             deployment = load(run.run / "deployment.yaml")
     first, last = record.t_at(begun), record.t_at(ended)
-    told = arrivals(record, PERIOD)
-    answered = sum(int(((times >= first) & (times < last)).sum()) for times in told)
+    commands = arrivals(record, PERIOD)
+    answered = sum(int(((times >= first) & (times < last)).sum()) for times in commands)
     inside = (record.t >= first) & (record.t < last)
-    took = np.sort(PERIOD - record.age[inside].ravel())  # a period after its state, less its age
+    took = np.sort(PERIOD - record.age[inside].ravel())  # the period less the age of the command
     took = took[~np.isnan(took)]
     assert deployment.goal is not None
     return ArmMeasurement(
@@ -152,7 +159,7 @@ def _grow(joints: int, side: str, seconds: float) -> ArmMeasurement:
 
 
 def write_arm(folder: Path, joints: int, *, spread: bool = False) -> Path:
-    """Write a planar arm of 1 m, and its deployment with a goal on a circle; return that file."""
+    """Write a planar arm of 1 m and its deployment with a goal on a circle; return that file."""
     length = 1.0 / joints
     parts = ["<robot name='long'><link name='link_0'/>"]
     for i in range(1, joints + 1):
@@ -167,8 +174,8 @@ def write_arm(folder: Path, joints: int, *, spread: bool = False) -> Path:
         f"<child link='tip'/><origin xyz='{length!r} 0 0'/></joint></robot>"
     )
     (folder / "long.urdf").write_text("\n".join(parts), encoding="utf-8")
-    gain = min(0.45, 4.0 / joints)  # a quarter of it, the least it adapts to, times all is one
-    turn = 120.0 / joints  # the arm begins as a third of a circle
+    gain = min(0.45, 4.0 / joints)  # so that all agents together correct at least the whole error
+    turn = 120.0 / joints  # the arm starts as a third of a circle
     angles = np.radians(np.arange(1, joints + 1) * turn - 60.0)
     x, y = length * np.cos(angles).sum(), length * np.sin(angles).sum()
     hosts = ("robot", "arm", "base") if spread else ()
@@ -198,14 +205,14 @@ def write_arm(folder: Path, joints: int, *, spread: bool = False) -> Path:
 
 
 def _meter(run: Launched) -> Meter | None:
-    """Return what measures all processes of a run; None where they have ids of their own."""
+    """Return a meter of all processes of a run; None if they are in other pid namespaces."""
     pids = {}
     for log in sorted(run.run.glob("*.jsonl")):
         starts = [line for line in read_log(run.run, log.stem, "start") if "role" in line]
         if starts and starts[-1]["role"] != "launcher":
             pids[starts[-1]["role"]] = int(starts[-1]["pid"])
-    ours = all(_is_of(pid, run.run) for pid in pids.values())
-    return Meter(pids) if ours else None
+    visible = all(_is_of(pid, run.run) for pid in pids.values())
+    return Meter(pids) if visible else None
 
 
 def _is_of(pid: int, run: Path) -> bool:
@@ -215,7 +222,7 @@ def _is_of(pid: int, run: Path) -> bool:
 
 
 def _links(run: Launched) -> int:
-    """Return how many connections are established at the ports of a run's processes."""
+    """Return the number of established connections at the ports of a run's processes."""
     base = load(run.run / "deployment.yaml", only_role=PLANT).port
     count = 0
     for line in Path("/proc/net/tcp").read_text(encoding="ascii").splitlines()[1:]:
@@ -253,12 +260,12 @@ def _table(found: Mapping[str, Sequence[ArmMeasurement]]) -> Table:
                 f"{one.links}" if known else "", f"{one.ready:.1f}",
             ))  # fmt: skip
     head = ("joints", "links", "answered", "p50 [ms]", "p99", "all: cores", "an agent: cpu",
-            "largest PSS [MB]", "all", "connections", "all obeyed after [s]")  # fmt: skip
+            "largest PSS [MB]", "all", "connections", "all active after [s]")  # fmt: skip
     return Table("a planar arm of 1 m at 60 ms", head, tuple(rows))
 
 
 def _growth(found: Mapping[str, Sequence[ArmMeasurement]]) -> Table:
-    """Return by which power of the number of processes each cost grows, from end to end."""
+    """Return the exponent with which each cost grows with the number of processes."""
     rows = []
     for side, runs in found.items():
         if len(runs) < 2 or not runs[0].cpu:
@@ -271,15 +278,15 @@ def _growth(found: Mapping[str, Sequence[ArmMeasurement]]) -> Table:
         ]  # fmt: skip
         rows.append((side, *powers))
     head = ("links", "p99", "all: cores", "an agent", "connections")
-    return Table("grows with that power of the number of processes", head, tuple(rows))
+    return Table("growth with the number of processes: exponent", head, tuple(rows))
 
 
 NOTES = (
     "The agents of an arm of n joints have the parameter gain: 4 / n, at most its default of 0.45: "
-    "more than that, and 32 agents that all make up for the same error overshoot for good.",
-    "An answer's time is taken from the plant's log: the period less the age of the command when "
-    "the next step begins, so never more than a period.",
-    f"With '{STAR}' each agent dials the plant and the goal source alone: no agent hears "
-    "another, so those links carry only what keeps them alive.",
+    "with a larger gain, 32 agents that all correct the same error overshoot permanently.",
+    "The latency of an answer comes from the plant's log: the period less the age of the command "
+    "at the start of the next step, so at most one period.",
+    f"With '{STAR}' each agent connects only to the plant and the goal source. Agents do not "
+    "exchange messages, so connections between them carry only keep-alives.",
     "Three hosts are three network namespaces that share this machine's cores.",
 )

@@ -1,4 +1,4 @@
-"""How long until a robot moves, and until an agent that was killed is obeyed again; by parts."""
+"""Time to the first motion, and until a restarted agent is active again, step by step."""
 
 import os
 import signal
@@ -26,67 +26,67 @@ from studies.study import Progress, Row
 
 LAUNCHES, REVIVALS = 5, 4
 SHORT = 1.5
-"""Of a launch that is only to be started [s]."""
+"""Duration of a run of which only the start is measured [s]."""
 REVIVED = "joint/2"
-ALL_OBEYED = "then, all agents obeyed"
-"""The last part of a launch; the arm moves before."""
-IN_A_LAUNCH, BY_COMMAND, ANEW = "by its launch", "by `msma revive`", "by running Python anew"
-"""The ways to revive: as chaos does, by a command that is run for it, and as `msma agent` does."""
-_DOWN, _SEEN = 0.6, 5.0  # [s] that it is away before it is revived, and until it must be obeyed
-_ROUND = 8.0  # [s] in which it is revived in each of the ways
+ALL_ACTIVE = "then, all agents active"
+"""The last step of a launch; the arm moves before it."""
+IN_A_LAUNCH, BY_COMMAND, ANEW = "by its launch", "by `msma revive`", "by a new Python"
+"""Ways to restart an agent: as chaos does, by a command, and as `msma agent` does."""
+_DOWN, _TIMEOUT = 0.6, 5.0  # [s] from the kill to the restart, and for the agent to be active
+_ROUND = 8.0  # [s] for one restart in each of the ways
 
 Times = Mapping[str, float]
-"""Names of parts, in their order, and how long each took [s]."""
+"""Duration of each step [s], in their order."""
 
 
 class StartBench(Bench):
-    """Launches of the mobile arm, and revivals of one of its agents."""
+    """Launches of the mobile arm, and restarts of one of its agents."""
 
     name = "start"
-    title = "From the command to the first motion, and from a revival to being obeyed"
+    title = "Time from the command to the first motion, and from a restart to an active agent"
 
     def measure(self, size: float, progress: Progress) -> Result:
-        """Launch and revive, several times."""
+        """Launch and restart several times."""
         launches, rounds = max(round(LAUNCHES * size), 1), max(round(REVIVALS * size), 1)
         progress.begin(launches + 1)
         starts: list[Times] = []
         for number in range(launches):
             progress.step(f"launch {number + 1}")
             starts.append(_launch(number))
-        progress.step("revivals")
-        ways = _revive(rounds)
-        moved = [sum(each.values()) - each[ALL_OBEYED] for each in starts]
-        revived = {way: [sum(each.values()) for each in times] for way, times in ways.items()}
+        progress.step("restarts")
+        restarts = _revive(rounds)
+        moved = [sum(each.values()) - each[ALL_ACTIVE] for each in starts]
+        revived = {way: [sum(each.values()) for each in times] for way, times in restarts.items()}
         return Result(
             checks=(
-                Check("launches in which all agents were obeyed and the arm moved",
+                Check("launches in which all agents became active and the arm moved",
                       f"{len(starts)} of {launches}", len(starts) == launches),
-                Check("revivals after which the new process was obeyed",
+                Check("restarts after which the new process became active",
                       f"{sum(map(len, revived.values()))} of {3 * rounds}",
                       all(len(times) == rounds for times in revived.values())),
             ),
             bars=(
                 Row("from the command to the first motion", "under 1 s", _seconds(moved),
                     median(moved) < 1.0),
-                *(Row(f"revived {way}: until it is obeyed", "within 0.35 s", _seconds(times),
+                *(Row(f"restarted {way}: until it is active", "within 0.35 s", _seconds(times),
                       median(times) <= 0.35)
                   for way, times in revived.items() if way != ANEW),
             ),
             tables=(
-                _table("from `msma launch` to the first motion", starts),
-                _table(f"from starting {REVIVED} {ANEW} to its first command obeyed", ways[ANEW]),
+                _table("time from `msma launch` to the first motion", starts),
+                _table(f"time from starting {REVIVED} {ANEW} until it is active", restarts[ANEW]),
             ),
             notes=NOTES,
-            data={"launches_s": starts, "revivals_s": ways},
+            data={"launches_s": starts, "revivals_s": restarts},
         )  # fmt: skip
 
     def draw(self, result: Result, folder: Path) -> tuple[Path, ...]:
-        """Draw the parts."""
+        """Draw the steps."""
         from bench.drawing import bars
 
         data = result.data
         kinds = {"launch": data["launches_s"]} | {
-            f"revived {way}": times for way, times in data["revivals_s"].items()
+            f"restarted {way}": times for way, times in data["revivals_s"].items()
         }
         parts = {
             f"{kind}: {part}": 1e3 * median(each[part] for each in times)
@@ -97,9 +97,9 @@ class StartBench(Bench):
 
 
 def _launch(number: int) -> Times:
-    """Launch once, and return the parts of the way to the first motion."""
-    words = (str(ARPH), "--robot", f"bench-start-{number}", "--duration", f"{SHORT:g} s")
-    with launched(words) as run:
+    """Launch once, and return the steps up to the first motion."""
+    options = (str(ARPH), "--robot", f"bench-start-{number}", "--duration", f"{SHORT:g} s")
+    with launched(options) as run:
         run.end(SHORT)
         made = (run.run / "deployment.yaml").stat().st_mtime
         roles = deployed(ARPH).roles
@@ -108,41 +108,41 @@ def _launch(number: int) -> Times:
         record = read_run_log(run.run)
     moving = np.flatnonzero(np.abs(np.diff(record.q, axis=0)).max(axis=1) > 0)
     if len(first) < len(roles) - 2 or not len(moving):
-        raise BenchError(f"after {SHORT:g} s only {', '.join(first) or 'nobody'} was obeyed")
+        raise BenchError(f"after {SHORT:g} s only {', '.join(first) or 'no agent'} was active")
     obeyed = max(first.values())
     moved = float(record.wall[moving[0] + 1])
     reached = max(max(joined), made)
     return {
-        "the launcher's imports and the file": made - run.commanded,
-        "all processes there and joined": reached - made,
+        "launcher: imports and deployment file": made - run.commanded,
+        "all processes started and joined": reached - made,
         "first motion": max(moved - reached, 0.0),
-        ALL_OBEYED: max(obeyed - max(moved, reached), 0.0),
+        ALL_ACTIVE: max(obeyed - max(moved, reached), 0.0),
     }
 
 
 def _revive(rounds: int) -> dict[str, list[Times]]:
-    """Revive an agent that was killed, in each of the ways and so often; return what took how long.
+    """Kill and restart an agent `rounds` times in each way, and return the steps.
 
-    Robots that run at once would share the processors, so the ways take turns in one run.
+    The ways alternate in one run, because simultaneous robots would share the processors.
     """
     came = [2.0 + number * _ROUND for number in range(rounds)]
     robot = f"bench-revive-{os.getpid()}"
-    words = [str(ARPH), "--robot", robot, "--duration", f"{came[-1] + _ROUND:g} s"]
+    options = [str(ARPH), "--robot", robot, "--duration", f"{came[-1] + _ROUND:g} s"]
     for t in came:
-        words += ["--kill", f"{REVIVED}@{t:g}", "--revive", f"{REVIVED}@{t + _DOWN:g}"]
+        options += ["--kill", f"{REVIVED}@{t:g}", "--revive", f"{REVIVED}@{t + _DOWN:g}"]
     found: dict[str, list[Times]] = {IN_A_LAUNCH: [], BY_COMMAND: [], ANEW: []}
-    with launched(words, usual=True) as run, ExitStack() as stack:
+    with launched(options, usual=True) as run, ExitStack() as stack:
         for number in range(rounds):
             obeyed = _next(_obeyed, run, 3 * number + 1, 2 * _ROUND)
             called = _called(run)[number]
-            found[IN_A_LAUNCH].append({"until it is obeyed": obeyed["wall"] - called["wall"]})
+            found[IN_A_LAUNCH].append({"until it is active": obeyed["wall"] - called["wall"]})
 
             os.kill(_pid(run), signal.SIGKILL)
             time.sleep(_DOWN)
             commanded = time.time()
             task = Task(REVIVED, run.run)
-            these = [str(task.file), REVIVED, str(run.run)]
-            stack.callback(_end, spawn("bench.timed_agent", these, task.out))
+            arguments = [str(task.file), REVIVED, str(run.run)]
+            stack.callback(_end, spawn("bench.timed_agent", arguments, task.out))
             line = _next(_noted, run, number)
             obeyed = _next(_obeyed, run, 3 * number + 2)
             found[ANEW].append(_parts(line, commanded, obeyed["wall"] - commanded))
@@ -152,15 +152,15 @@ def _revive(rounds: int) -> dict[str, list[Times]]:
             commanded = time.time()
             _command("revive", REVIVED, "--robot", robot)
             obeyed = _next(_obeyed, run, 3 * number + 3)
-            found[BY_COMMAND].append({"until it is obeyed": obeyed["wall"] - commanded})
+            found[BY_COMMAND].append({"until it is active": obeyed["wall"] - commanded})
     return found
 
 
-def _command(*words: str) -> None:
-    line = [sys.executable, "-P", "-m", "runtime.cli", *words]
+def _command(*arguments: str) -> None:
+    line = [sys.executable, "-P", "-m", "runtime.cli", *arguments]
     done = subprocess.run(line, env=environment(), capture_output=True, text=True, check=False)
     if done.returncode:
-        raise BenchError(f"msma {' '.join(words)}: {done.stderr.strip()}")
+        raise BenchError(f"msma {' '.join(arguments)}: {done.stderr.strip()}")
 
 
 def _end(child: ChildProcess) -> None:
@@ -184,7 +184,7 @@ def _parts(noted: Mapping[str, float], commanded: float, obeyed: float) -> Times
         "decision",
     )
     spent = {name: marks[i + 1] - marks[i] for i, name in enumerate(names)}
-    return {**spent, "until the plant obeys": obeyed - (marks[-1] - commanded)}
+    return {**spent, "until it is active": obeyed - (marks[-1] - commanded)}
 
 
 def _pid(run: Launched) -> int:
@@ -207,13 +207,13 @@ def _next(
     events: Callable[[Launched], list[dict[str, Any]]],
     run: Launched,
     count: int,
-    patience: float = _SEEN,
+    timeout: float = _TIMEOUT,
 ) -> dict[str, Any]:
-    """Wait until there are more than `count` such events, and return the first of the new ones."""
-    until = time.monotonic() + patience
+    """Wait until there are more than `count` such events, and return the first new one."""
+    until = time.monotonic() + timeout
     while len(found := events(run)) <= count:
         if time.monotonic() > until:
-            raise BenchError(f"{REVIVED} was started again, and not obeyed within {patience:g} s")
+            raise BenchError(f"{REVIVED} was restarted, and not active within {timeout:g} s")
         time.sleep(0.1)
     return found[count]
 
@@ -224,19 +224,19 @@ def _seconds(values: Sequence[float]) -> str:
 
 def _table(title: str, times: Sequence[Times]) -> Table:
     if not times:
-        return Table(title, ("part",), ())
+        return Table(title, ("step",), ())
     rows = [
         (part, *(f"{1e3 * of([each[part] for each in times]):.0f}" for of in (median, min, max)))
         for part in times[0]
     ]
     whole = [sum(each.values()) for each in times]
-    rows.append(("all of it", *(f"{1e3 * of(whole):.0f}" for of in (median, min, max))))
-    return Table(title, ("part", "median [ms]", "least", "most"), tuple(rows))
+    rows.append(("total", *(f"{1e3 * of(whole):.0f}" for of in (median, min, max))))
+    return Table(title, ("step", "median [ms]", "minimum", "maximum"), tuple(rows))
 
 
 NOTES = (
-    "A launch keeps a process that has imported what all need, and starts them as copies of it. "
-    "`msma revive` has to start, find the robot and import that much first, the last two at once.",
-    "An agent is obeyed when the plant first moves by its command, which is up to a period "
-    "(60 ms) after it has arrived.",
+    "A launch starts its processes as copies of a forkserver that has imported what all of them "
+    "need. `msma revive` first has to start, and then to find the robot while it imports the same.",
+    "An agent is active when the plant first executes its command, which is up to one period "
+    "(60 ms) after that command arrives.",
 )

@@ -19,29 +19,29 @@ from runtime.processes.process import Process  # noqa: E402
 imported = time.time()
 
 PARTS = "parts"
-"""The event that is logged: the times of day at which each part was done."""
+"""The logged event: the wall-clock times at which each step was done."""
 
 
-class Noting(Agent):
-    """Decides as another agent does, and logs once when that one decided first."""
+class TimedAgent(Agent):
+    """Decides as another agent does, and logs the time of its first decision."""
 
     def __init__(self, agent: Agent, process: Process, times: dict[str, float]) -> None:
         self._agent, self._process, self._times = agent, process, times
         self.sees, self.rest = agent.sees, agent.rest
 
     def decide(self, percepts: Percepts) -> Array | None:
-        """Return what the other wants."""
+        """Return the decision of the other agent."""
         if self._times:
             self._times["percept"] = time.time()
-            wanted = self._agent.decide(percepts)
+            decision = self._agent.decide(percepts)
             self._process.log.write(percepts.t, PARTS, **self._times, decided=time.time())
             self._times.clear()
-            return wanted
+            return decision
         return self._agent.decide(percepts)
 
 
 def main() -> int:
-    """Live as `msma agent FILE ROLE --run RUN` does."""
+    """Run as `msma agent FILE ROLE --run RUN` does."""
     file, role, run = sys.argv[1:]
     times = {"began": began, "imported": imported}
     deployment = load(file, only_role=role)
@@ -50,7 +50,7 @@ def main() -> int:
     times["read"] = time.time()
     with Process(deployment, member, Path(file), Path(run)) as process:
         times["joined"] = time.time()
-        return process.live(AgentNode(process, Noting(agent, process, times)))
+        return process.live(AgentNode(process, TimedAgent(agent, process, times)))
 
 
 if __name__ == "__main__":

@@ -1,23 +1,21 @@
-"""What a process costs: time of processors and memory, as the system counts them."""
+"""Processor time and memory of processes."""
 
-import os
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 
-_TICK = 1 / os.sysconf("SC_CLK_TCK")  # [s]
+import psutil
 
 
 @dataclass(frozen=True)
 class Usage:
-    """What one process costs.
+    """Cost of one process.
 
     Attributes:
-        cpu: Share of one core, 0.05 is 5 %.
-        pss: Memory that is its own, and its share of what it shares with others [bytes].
-        rss: Memory that it uses, shared or not [bytes].
-        threads: How many it has.
+        cpu: Share of one core; 0.05 is 5 %.
+        pss: Its own memory, and its share of what it shares with others [bytes].
+        rss: All memory that it uses, shared or not [bytes].
+        threads: Number of threads.
     """
 
     cpu: float
@@ -26,32 +24,23 @@ class Usage:
     threads: int
 
 
-def lives(pid: int) -> bool:
-    """Tell whether a process has not ended yet, whether or not anybody has asked how it did."""
+def is_alive(pid: int) -> bool:
+    """Tell whether a process has not ended; a zombie has."""
     try:
-        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] not in "ZX"
-    except OSError:
+        status = psutil.Process(pid).status()
+    except psutil.NoSuchProcess:
         return False
+    return status not in (psutil.STATUS_ZOMBIE, psutil.STATUS_DEAD)
 
 
 def cpu_seconds(pid: int) -> float:
-    """Return how long a process has computed [s], in user's and the system's code."""
-    fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
-    return (int(fields[11]) + int(fields[12])) * _TICK
-
-
-def memory(pid: int) -> tuple[int, int]:
-    """Return PSS and RSS of a process [bytes]."""
-    found = {"Pss:": 0, "Rss:": 0}
-    for line in Path(f"/proc/{pid}/smaps_rollup").read_text().splitlines():
-        name, *value = line.split()
-        if name in found:
-            found[name] = int(value[0]) * 1024
-    return found["Pss:"], found["Rss:"]
+    """Return the processor time of a process, in user and system mode [s]."""
+    times = psutil.Process(pid).cpu_times()
+    return float(times.user + times.system)
 
 
 class Meter:
-    """Measures some processes from its making to `usage`; `pids` by role."""
+    """Measures processes, by role, from its making to `usage`."""
 
     def __init__(self, pids: Mapping[str, int]) -> None:
         self._pids = dict(pids)
@@ -59,12 +48,13 @@ class Meter:
         self._before = {role: cpu_seconds(pid) for role, pid in pids.items()}
 
     def usage(self) -> dict[str, Usage]:
-        """Return what each of them costs; they must live still."""
+        """Return the cost of each process; all of them must be alive."""
         elapsed = time.monotonic() - self._since
         spent = {role: cpu_seconds(pid) - self._before[role] for role, pid in self._pids.items()}
         found = {}
         for role, pid in self._pids.items():
-            pss, rss = memory(pid)
-            threads = len(os.listdir(f"/proc/{pid}/task"))
-            found[role] = Usage(spent[role] / elapsed, pss, rss, threads)
+            process = psutil.Process(pid)
+            memory = process.memory_full_info()
+            cpu = spent[role] / elapsed
+            found[role] = Usage(cpu, memory.pss, memory.rss, process.num_threads())
         return found

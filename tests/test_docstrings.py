@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parent.parent
-FOLDERS = ("plant", "runtime")
+FOLDERS = ("bench", "plant", "runtime", "studies")
 PENDING = [
     *("runtime/chaos", "runtime/launching", "runtime/spawning", "runtime/watching"),
 ]

@@ -51,14 +51,14 @@ def tick_work(role: str, period: float) -> TickWork:
         return _plant_of(run)
     agent = run.agents[role]
     cadence = Cadence(agent.rest, apart(ROLES.index(role)))
-    return _agent_of(agent, run.seen, cadence, period)
+    return _agent_of(agent, run.percepts, cadence, period)
 
 
 def _plant_of(run: ArmRun) -> TickWork:
     """Pack the state before publishing it; unpack the answers and simulate after."""
     commands = [_command(0.0, velocity) for velocity in (*run.commands.joints, run.commands.base)]
     answers = [(type(command), pack(command)) for command in commands]
-    base, hand, joints = _states(run.seen[-1])
+    base, hand, joints = _states(run.percepts[-1])
 
     def write() -> None:
         for state in (base, hand, joints):
@@ -75,12 +75,14 @@ def _plant_of(run: ArmRun) -> TickWork:
     return TickWork(write, simulate)
 
 
-def _agent_of(agent: Agent, seen: Sequence[Percepts], cadence: Cadence, period: float) -> TickWork:
+def _agent_of(
+    agent: Agent, recorded: Sequence[Percepts], cadence: Cadence, period: float
+) -> TickWork:
     """Answer with the last decision before publishing; decide after, as often as MSMA's agents."""
-    states = [_states(percepts) for percepts in seen]
+    states = [_states(percepts) for percepts in recorded]
     ticks = cycle(
         [(percepts, pack(base), pack(joints))
-         for percepts, (base, _, joints) in zip(seen, states, strict=True)]
+         for percepts, (base, _, joints) in zip(recorded, states, strict=True)]
     )  # fmt: skip
     sees_base = "base" in agent.sees
     percepts, base, _ = next(ticks)

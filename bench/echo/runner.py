@@ -15,7 +15,7 @@ from typing import IO, Any
 from bench.bench import BenchError
 from bench.echo.forkserver import STARTED
 from bench.ticks import DONE, GO, PATIENCE, SETTLE
-from bench.usage import Meter, Usage, lives
+from bench.usage import Meter, Usage, is_alive
 
 ROOT = Path(__file__).parents[2]
 _POLL = 0.5  # [s]
@@ -105,7 +105,7 @@ def run(
         meter = Meter(pids)
         done = await_event(forkserver.stdout, DONE, 1.5 * seconds + SPARE)
         for role, pid in pids.items():
-            if not lives(pid):
+            if not is_alive(pid):
                 raise BenchError(f"{role} ended while it was measured: {commands[role]}")
         return Measurement(done, meter.usage(), ready)
 

@@ -13,6 +13,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import IO, Self
 
+import psutil
+
 from bench.bench import BenchError
 from bench.echo.runner import SPARE, Measurement, await_event
 from bench.echo.workload import ROLES, EchoSpec, to_args
@@ -166,7 +168,7 @@ class ProcessGroup:
         done = await_event(self._said, DONE, 3 * self.seconds + SPARE)
         try:
             return Measurement(done, meter.usage(), ready)
-        except OSError as error:
+        except psutil.Error as error:
             raise BenchError(f"a process died while it was measured: {error}") from error
 
     def wait_for_all(self) -> float:
@@ -188,12 +190,11 @@ class ProcessGroup:
 
 
 def _children(pid: int) -> list[int]:
-    """Return the child processes of a process's main thread, where the kernel lists them."""
+    """Return the child processes of a process."""
     try:
-        text = Path(f"/proc/{pid}/task/{pid}/children").read_text(encoding="ascii")
-    except OSError:
+        return [child.pid for child in psutil.Process(pid).children()]
+    except psutil.Error:
         return []
-    return [int(word) for word in text.split()]
 
 
 def _end(process: subprocess.Popen[bytes] | None) -> None:

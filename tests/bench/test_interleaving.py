@@ -1,7 +1,7 @@
 from bench.interleaving import interleaved, ratio
 
 
-def test_the_sides_take_turns_and_none_is_always_first() -> None:
+def test_the_systems_take_turns_and_none_is_always_first() -> None:
     order: list[str] = []
     measured = interleaved(
         {"a": lambda: order.append("a"), "b": lambda: order.append("b")}, rounds=3

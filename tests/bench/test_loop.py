@@ -1,4 +1,4 @@
-"""A short run of the loop bench: both sides answer, and are weighed."""
+"""A short run of the loop bench: all systems answer, and are measured."""
 
 import os
 from pathlib import Path
@@ -30,10 +30,10 @@ from bench.loop import (
     PLAIN,
     LoopBench,
     bars,
-    work_table,
+    work_tables,
 )
 from bench.machine import busy_cores
-from bench.usage import Usage, cpu_seconds, lives
+from bench.usage import Usage, cpu_seconds, is_alive
 from runtime.wire import topics
 from runtime.wire.messages import (
     EndEffectorPose,
@@ -51,14 +51,14 @@ from tests.runtime.conftest import wait_for
 BY, N, T = 1 << 62, 1000, 1.234
 
 
-def test_the_echo_sends_messages_as_large_as_ours() -> None:
+def test_the_echo_sends_messages_of_the_real_sizes() -> None:
     three, four, six = (0.1, 0.1, 0.1), (0.5,) * 4, (0.1,) * 6
     ours: dict[str, Message] = {
         topics.PLATFORM: PlatformPose(T, 0.1, 0.1, 0.1, by=BY, n=N),
         topics.HAND: EndEffectorPose(T, three, four, by=BY, n=N),
         topics.JOINTS: JointStates(T, six, six, by=BY, n=N),
     }
-    assert {key: len(pack(told)) for key, told in ours.items()} == STATES
+    assert {key: len(pack(message_)) for key, message_ in ours.items()} == STATES
     assert len(pack(JointCommand(T, 0.1, by=BY, n=N))) == JOINT_COMMAND_SIZE
     assert len(pack(PlatformCommand(T, 0.1, 0.1, by=BY, n=N))) == PLATFORM_COMMAND_SIZE
     assert len(pack(GoalMessage(T, three, three, 0.1, 24.0, by=BY, n=N))) == GOAL_SIZE
@@ -74,13 +74,13 @@ def test_an_answer_names_the_tick_it_answers() -> None:
     assert len(answer("platform", state)) == PLATFORM_COMMAND_SIZE
 
 
-def test_a_part_is_told_by_the_command_line() -> None:
-    part = EchoSpec("joint/3", 1000.0, 2.5, 7600)
-    assert parse_args(to_args(part)) == part
+def test_a_spec_survives_the_command_line() -> None:
+    spec = EchoSpec("joint/3", 1000.0, 2.5, 7600)
+    assert parse_args(to_args(spec)) == spec
     assert ROLES[0] == "plant"
 
 
-def test_all_sides_answer_and_are_weighed(tmp_path: Path) -> None:
+def test_all_systems_answer_and_are_measured(tmp_path: Path) -> None:
     bench = LoopBench({500: 1.0}, rounds=1)
     result = bench.measure(1.0, Progress())
     assert result.sound, result.checks
@@ -109,7 +109,7 @@ def test_programs_keep_all_cores_busy_and_end() -> None:
         started = set(children()) - before
         assert len(started) == os.cpu_count()
         wait_for(lambda: all(cpu_seconds(pid) > 0.1 for pid in started), "all to compute")
-    assert not any(lives(pid) for pid in started)
+    assert not any(is_alive(pid) for pid in started)
 
 
 def measured(in_time: int, p99: float, cpu: float) -> Measurement:
@@ -119,7 +119,7 @@ def measured(in_time: int, p99: float, cpu: float) -> Measurement:
     return Measurement(ticks, {role: Usage(cpu, 1, 1, 1) for role in ROLES}, 1.0)
 
 
-def test_a_bar_that_is_missed_stays_missed_and_names_what_there_is_to_be_had() -> None:
+def test_a_missed_bar_is_shown_beside_the_limit_of_the_machine() -> None:
     sides = {
         OURS: [measured(0, 0.004, 0.2)],
         PLAIN: [measured(1000, 0.001, 0.05)],
@@ -135,14 +135,14 @@ def test_a_bar_that_is_missed_stays_missed_and_names_what_there_is_to_be_had() -
     assert f"{DECIDING}: 3.00 x" in slower.measured
 
 
-def test_a_thought_is_measured_alone_and_among_the_others() -> None:
+def test_the_work_of_a_tick_is_measured_alone_and_beside_the_others() -> None:
     sides = {PLAIN: [measured(0, 0.1, 0.05)], DECIDING: [measured(0, 0.1, 0.15)]}
-    (table,) = work_table({1000: sides})
+    (table,) = work_tables({1000: sides})
     assert [row[0] for row in table.rows] == ["plant", *AGENTS]
-    assert all(float(alone) > 0 and among == "100" for _, alone, among in table.rows)
-    assert work_table({17: sides}) == []
+    assert all(float(alone) > 0 and beside == "100" for _, alone, beside in table.rows)
+    assert work_tables({17: sides}) == []
 
 
-def test_a_side_whose_plant_ends_is_said_to_have_ended() -> None:
+def test_the_end_of_the_plant_is_reported() -> None:
     with pytest.raises(BenchError, match="has ended"):
         run({"plant": ["bench.no_such_module"]}, 1.0)

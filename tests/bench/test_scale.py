@@ -10,7 +10,7 @@ from studies.study import Progress
 
 
 @pytest.mark.parametrize("joints", [4, 64])
-def test_a_long_arm_begins_at_its_goal(joints: int, tmp_path: Path) -> None:
+def test_a_long_arm_starts_at_its_goal(joints: int, tmp_path: Path) -> None:
     deployment = load(write_arm(tmp_path, joints))
     robot = deployment.description.robot
     assert robot.n == joints
@@ -21,7 +21,7 @@ def test_a_long_arm_begins_at_its_goal(joints: int, tmp_path: Path) -> None:
     assert len(load(write_arm(tmp_path, joints, spread=True)).hosts) == 3
 
 
-def test_an_arm_is_measured_with_all_links_and_with_few(tmp_path: Path) -> None:
+def test_an_arm_is_measured_as_full_mesh_and_as_star(tmp_path: Path) -> None:
     bench = ScaleBench((5,), hosts=False)
     result = bench.measure(0.2, Progress())
     (full,), (star,) = result.data[FULL], result.data[STAR]
