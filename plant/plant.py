@@ -126,17 +126,23 @@ class Plant(ABC):
 
     @abstractmethod
     def step(self) -> None:
-        """Go on by one period. Called once a period of real time: a real robot just moves."""
+        """Go on by one period; a real robot, which moves by itself, need not do anything.
+
+        Called once a period of real time. It should not block: the next commands wait for it.
+        """
 
     @abstractmethod
     def read(self) -> Readings:
         """Return what the sensors measure now."""
 
     def close(self) -> None:  # noqa: B027 - nor to close
-        """Bring the robot to rest and let go of it. Called once, whatever has happened."""
+        """Bring the robot to rest and let go of it. Called once, at the end or after an error.
+
+        A process that is killed does not call it: a real robot needs a watchdog in its drives.
+        """
 
     def truth(self) -> Truth | None:
-        """Return how the robot truly is; None, as by default, if nothing but its sensors tells."""
+        """Return how the robot truly is; None, by default, if only sensors can say."""
         return None
 
     def check_fault(self, fault: Fault) -> None:

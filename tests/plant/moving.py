@@ -13,7 +13,7 @@ from plant.urdf import load
 ARPH, PLANAR5 = load("arph"), load("planar5")
 START = np.radians([0.0, 60.0, -115.0, 0.0, 0.0, 0.0])
 BASE = np.array([-0.15, 0.0, 0.0])
-TOLD = Commands(np.array([0.2, 0.1, 0.3, -0.2, 0.1, 0.05]), np.array([0.1, -0.2]))
+COMMANDS = Commands(np.array([0.2, 0.1, 0.3, -0.2, 0.1, 0.05]), np.array([0.1, -0.2]))
 REST = Commands(np.zeros(6))
 PERIOD = 0.06
 
@@ -24,7 +24,7 @@ def arph(*faults: str, q: Array = START, period: float = PERIOD, seed: int = 0) 
     return KinematicPlant(Setup(ARPH, q, BASE, period=period, seed=seed), broken)
 
 
-def run(plant: KinematicPlant, seconds: float, commands: Commands = TOLD) -> list[Array]:
+def run(plant: KinematicPlant, seconds: float, commands: Commands = COMMANDS) -> list[Array]:
     """Step for that long, and give the joints' angles after each step."""
     return [after(plant, commands).q for _ in range(round(seconds / plant.period))]
 

@@ -14,10 +14,10 @@ from plant.urdf import load
 from tests.plant.moving import (
     ARPH,
     BASE,
+    COMMANDS,
     PERIOD,
     REST,
     START,
-    TOLD,
     after,
     arph,
     measured,
@@ -110,11 +110,11 @@ def test_a_weak_joint_is_not_made_strong_by_asking_for_more() -> None:
     assert true(plant).qd[0] == pytest.approx(0.5 * ARPH.max_speed[0])
 
 
-def test_a_runaway_joint_moves_at_random_within_its_share_and_unlike_told() -> None:
+def test_a_runaway_joint_moves_at_random_within_its_share_whatever_the_command() -> None:
     plant = arph("joint/1:runaway=0.3")
     speeds = []
     for _ in range(2000):
-        speeds.append(after(plant, TOLD).qd[0])
+        speeds.append(after(plant, COMMANDS).qd[0])
     most = 0.3 * ARPH.max_speed[0]
     assert np.abs(speeds).max() <= most + 1e-12
     assert np.std(speeds) == pytest.approx(most / math.sqrt(3), rel=0.2)
@@ -122,7 +122,7 @@ def test_a_runaway_joint_moves_at_random_within_its_share_and_unlike_told() -> N
 
 
 @pytest.mark.parametrize("period", [0.06, 0.001])
-def test_a_runaway_joint_changes_its_mind_about_twice_a_second(period: float) -> None:
+def test_a_runaway_joint_changes_its_speed_about_twice_a_second(period: float) -> None:
     robots = KinematicPlant(Setup(ARPH, np.tile(START, (500, 1)), BASE, period=period))
     inject(robots, "joint/4:runaway")
     run(robots, 0.3, REST)  # until all have got up to speed
@@ -143,26 +143,26 @@ def test_the_same_seed_gives_the_same_faults() -> None:
     assert (end(1) != end(2))[:2].all()
 
 
-def test_a_stuck_encoder_tells_the_angle_it_stuck_at() -> None:
+def test_a_stuck_encoder_reads_the_angle_it_stuck_at() -> None:
     plant = arph()
     run(plant, 0.6)
     angle = true(plant).q[0]
     inject(plant, "encoder/1:stuck")
     run(plant, 0.6)
-    told = measured(plant)
-    assert told.q[0] == angle
-    assert told.qd[0] == 0.0
-    np.testing.assert_array_equal(told.q[1:], true(plant).q[1:])
+    readings = measured(plant)
+    assert readings.q[0] == angle
+    assert readings.qd[0] == 0.0
+    np.testing.assert_array_equal(readings.q[1:], true(plant).q[1:])
 
 
-def test_a_lost_encoder_tells_nothing() -> None:
+def test_a_lost_encoder_measures_nothing() -> None:
     plant = arph("encoder/2:lost")
-    told = measured(plant)
-    assert np.flatnonzero(np.isnan(told.q)).tolist() == [1]
-    assert np.flatnonzero(np.isnan(told.qd)).tolist() == [1]
+    readings = measured(plant)
+    assert np.flatnonzero(np.isnan(readings.q)).tolist() == [1]
+    assert np.flatnonzero(np.isnan(readings.qd)).tolist() == [1]
 
 
-def test_a_biased_encoder_tells_an_angle_too_large() -> None:
+def test_a_biased_encoder_reads_an_angle_too_large() -> None:
     plant = arph("encoder/3:biased=-2deg")
     error = np.degrees(measured(plant).q - true(plant).q)
     np.testing.assert_allclose(error, [0, 0, -2, 0, 0, 0], atol=1e-12)
@@ -184,7 +184,7 @@ def test_a_sensor_fault_does_not_change_the_truth() -> None:
     np.testing.assert_array_equal(true(broken).position, true(whole).position)
 
 
-def test_a_lost_localiser_tells_nothing() -> None:
+def test_a_lost_localiser_measures_nothing() -> None:
     assert measured(arph("localiser:lost")).position is None
 
 
@@ -198,14 +198,14 @@ def test_a_noisy_localiser_errs_by_its_standard_deviation_along_each_axis() -> N
 
 
 @pytest.mark.parametrize("steps", [0, 1, 5])
-def test_a_late_localiser_tells_what_was_so_long_ago(steps: int) -> None:
+def test_a_late_localiser_reports_what_it_measured_so_long_ago(steps: int) -> None:
     plant = arph(f"localiser:late={steps * PERIOD}")
-    truth, told = [true(plant).position], []
+    truth, readings = [true(plant).position], []
     for _ in range(20):
         sighting = measured(plant)
-        told.append(sighting.position)
-        truth.append(after(plant, TOLD).position)
-    for k, position in enumerate(told):
+        readings.append(sighting.position)
+        truth.append(after(plant, COMMANDS).position)
+    for k, position in enumerate(readings):
         np.testing.assert_array_equal(position, truth[max(0, k - steps)])
 
 
@@ -240,8 +240,8 @@ def test_what_is_ok_again_is_as_before(text: str) -> None:
     inject(plant, f"{text.partition(':')[0]}:ok")
     assert plant.faults == ()
     run(plant, 0.6)
-    np.testing.assert_allclose(true(plant).qd, TOLD.joints)
-    np.testing.assert_allclose(true(plant).base_velocity, TOLD.base)
+    np.testing.assert_allclose(true(plant).qd, COMMANDS.joints)
+    np.testing.assert_allclose(true(plant).base_velocity, COMMANDS.base)
     np.testing.assert_array_equal(measured(plant).q, true(plant).q)
     sighting = measured(plant)
     np.testing.assert_array_equal(sighting.position, true(plant).position)

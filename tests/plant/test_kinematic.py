@@ -11,7 +11,7 @@ from plant.kinematics import Kinematics
 from plant.plant import Setup
 from plant.robot import Array, RobotError
 from plant.urdf import load
-from tests.plant.moving import ARPH, BASE, PERIOD, START, TOLD, after, arph, measured, run, true
+from tests.plant.moving import ARPH, BASE, COMMANDS, PERIOD, START, after, arph, measured, run, true
 
 PLANAR5 = load("planar5")
 
@@ -54,7 +54,7 @@ def test_one_robot_is_read_in_plain_numbers(faults: tuple[str, ...]) -> None:
 
 def test_the_numbers_of_a_batch_cannot_be_written_to() -> None:
     plant = KinematicPlant(Setup(ARPH, np.broadcast_to(START, (3, 6)), BASE, period=PERIOD))
-    for state in (true(plant), after(plant, TOLD)):
+    for state in (true(plant), after(plant, COMMANDS)):
         for array in (state.q, state.qd, state.base, state.base_velocity):
             with pytest.raises(ValueError, match="read-only"):
                 array[...] = 0.0

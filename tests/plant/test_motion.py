@@ -89,14 +89,14 @@ def commands(count: int) -> st.SearchStrategy[list[tuple[Array, Array]]]:
 @settings(max_examples=60)
 @given(commands(12), periods, st.integers(1, 40))
 def test_no_command_takes_the_robot_over_any_limit(
-    told: list[tuple[Array, Array]], period: float, repeat: int
+    commands: list[tuple[Array, Array]], period: float, repeat: int
 ) -> None:
     drive = ARPH.drive
     assert drive is not None
     most = np.array([drive.max_linear, drive.max_angular])
     change = np.array([drive.max_linear_acceleration, drive.max_angular_acceleration]) * period
     state = at_rest(START, np.zeros(3))
-    for joints, base in told:
+    for joints, base in commands:
         for _ in range(repeat):
             before, state = state, step(ARPH, state, Commands(joints, base), period)
             assert (state.q >= ARPH.lower).all()
@@ -113,11 +113,11 @@ def test_a_joint_driven_to_the_end_of_its_range_comes_to_rest_there(
     period: float, joint: int, sign: float
 ) -> None:
     state = at_rest(np.zeros(5), np.zeros(3))
-    told = np.zeros(5)
-    told[joint] = sign * 9.0
+    speeds = np.zeros(5)
+    speeds[joint] = sign * 9.0
     end = STOPPED.upper[joint] if sign > 0.0 else STOPPED.lower[joint]
     for _ in range(int(5.0 / period)):
-        state = step(STOPPED, state, Commands(told), period)
+        state = step(STOPPED, state, Commands(speeds), period)
     assert state.q[joint] == pytest.approx(end, abs=1e-9)
     assert state.qd[joint] == pytest.approx(0.0, abs=1e-9)
 
@@ -136,11 +136,11 @@ def test_a_joint_that_turns_for_ever_is_not_held_back() -> None:
     assert state.q[0] > 2 * math.pi
 
 
-def test_within_limits_a_joint_does_as_it_is_told_at_once() -> None:
-    told = np.array([0.1, -0.1, 0.2, -0.2, 0.15, 0.0])
-    state = step(ARPH, at_rest(START, np.zeros(3)), Commands(told, np.array([0.02, 0.1])), 0.06)
-    np.testing.assert_allclose(state.qd, told)
-    np.testing.assert_allclose(state.q, START + told * 0.06)
+def test_within_limits_a_joint_reaches_a_commanded_speed_at_once() -> None:
+    speeds = np.array([0.1, -0.1, 0.2, -0.2, 0.15, 0.0])
+    state = step(ARPH, at_rest(START, np.zeros(3)), Commands(speeds, np.array([0.02, 0.1])), 0.06)
+    np.testing.assert_allclose(state.qd, speeds)
+    np.testing.assert_allclose(state.q, START + speeds * 0.06)
     np.testing.assert_allclose(state.base_velocity, [0.02, 0.1])
 
 
