@@ -14,7 +14,7 @@ _SHORTEST = 0.01  # [s] between two messages, however fast the plant is
 
 
 class GoalNode(Node):
-    """Leads the goal along a path, once a control period but 100 times a second at most."""
+    """Publishes the goal on its path, once a control period but at most 100 times a second."""
 
     def __init__(self, process: Process, path: Path) -> None:
         deployment = process.deployment
@@ -26,18 +26,18 @@ class GoalNode(Node):
         self._out = process.bus.publisher(topics.GOAL)
 
     def run(self, context: Context) -> None:
-        """React to the plant until the bus is closed."""
+        """Publish for each state of the plant until the bus is closed."""
         while True:
             arrival = self._ring.recv()
             now = time.monotonic()
             states = self._plant.accept(arrival.data, now)
             if states is not None:
-                self._turn(now)
+                self._publish(now)
                 spent = time.monotonic() - now
                 self.work.add(spent)
                 time.sleep(max(_SHORTEST - spent, 0.0))
 
-    def _turn(self, now: float) -> None:
+    def _publish(self, now: float) -> None:
         states = self._plant.fresh(now)
         if states is None:
             return

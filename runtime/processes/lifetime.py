@@ -77,18 +77,18 @@ class PlantClock:
 
     Attributes:
         t: Plant time [s]; 0 before the second message.
-        heard: When the last message arrived, or else when this was made [s].
+        arrived: When the last message arrived, or else when this was made [s].
         ever: Whether any message has arrived.
     """
 
     def __init__(self, now: float) -> None:
-        self.t, self.heard, self.ever = 0.0, now, False
+        self.t, self.arrived, self.ever = 0.0, now, False
         self._last = 0.0
 
     def seen(self, t: float, now: float) -> None:
         """Take the time `t` [s] of one more message, which arrived `now` [s]."""
         self.t = min(self._last, t)
-        self._last, self.heard, self.ever = t, now, True
+        self._last, self.arrived, self.ever = t, now, True
 
 
 class BusClock(PlantClock):
@@ -109,7 +109,7 @@ class BusClock(PlantClock):
 
 
 class Lifetime:
-    """Whether a process has a reason to end, by what it hears of the plant.
+    """Whether a process has a reason to end, by the plant's messages.
 
     Args:
         clock: Gets the time of each message of the plant.
@@ -118,7 +118,7 @@ class Lifetime:
         speed: How many times as fast as real time the plant runs.
     """
 
-    GRACE = 2.0  # [s] by which a plant that is no longer heard may be late
+    GRACE = 2.0  # [s] by which a plant without messages may be late
 
     def __init__(
         self, clock: PlantClock, *, patience: float, duration: float | None, speed: float
@@ -131,12 +131,12 @@ class Lifetime:
     def over(self, now: float) -> bool:
         """Return whether the run has reached its end, or would have, `now` [s]."""
         clock = self.clock
-        late = clock.t + (now - clock.heard - self.GRACE) * self._speed if clock.ever else 0.0
+        late = clock.t + (now - clock.arrived - self.GRACE) * self._speed if clock.ever else 0.0
         return max(clock.t, late) >= self._duration - 1e-9
 
     def timed_out(self, now: float) -> str | None:
         """Return why it waits no longer `now` [s], or None."""
-        if now - self.clock.heard <= self._patience:
+        if now - self.clock.arrived <= self._patience:
             return None
-        silence = "no plant was heard" if self.clock.ever else "no plant was ever heard"
+        silence = "no message of the plant" if self.clock.ever else "no message of any plant"
         return f"{silence} for {self._patience:g} s"

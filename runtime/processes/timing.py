@@ -47,11 +47,11 @@ _GOLDEN = (math.sqrt(5) - 1) / 2
 
 
 def apart(number: int) -> float:
-    """Return the phase, 0 to 1, of whoever has that number: the phases of any few lie far apart.
+    """Return a phase, 0 to 1, for a process's number: the phases of any few lie far apart.
 
-    Were they drawn, of seven agents some would think at the same of ten states in nearly every
-    run, and whatever is to be answered then would be late all along. Multiples of the golden ratio
-    spread evenly, however many there are (Knuth 1998, "The Art of Computer Programming", 6.4).
+    With random phases, some of seven agents would decide on the same one of ten states in nearly
+    every run, and answers to it would always be late. Multiples of the golden ratio are spread
+    evenly for any count (Knuth 1998, "The Art of Computer Programming", 6.4).
     """
     return _GOLDEN * number % 1.0
 
@@ -69,14 +69,14 @@ class Cadence:
 
     def __init__(self, rest: float, phase: float) -> None:
         self._rest, self._phase = rest, phase
-        self._spell: int | None = None
+        self._interval: int | None = None
 
     def due(self, t: float) -> bool:
-        """Tell whether plant time `t` [s] is the first that is asked about in its spell."""
+        """Return whether plant time `t` [s] is the first of its interval."""
         if self._rest == 0:
             return True
-        before, self._spell = self._spell, math.floor(t / self._rest + self._phase)
-        return self._spell != before
+        before, self._interval = self._interval, math.floor(t / self._rest + self._phase)
+        return self._interval != before
 
 
 class Backlog:
@@ -97,7 +97,7 @@ class Backlog:
         self._passed = self._most = 0  # by in a row, and how many there were to pass by
 
     def overtaken(self, t: float, now: float, *, waited: bool) -> bool:
-        """Tell whether a newer state than that of `t` [s], taken `now` [s], must be there."""
+        """Return whether a newer state than that of `t` [s], taken `now` [s], must have arrived."""
         lead = now - t / self._speed
         if t <= self._t:  # a plant that waits, or another one
             self._soonest = lead

@@ -24,14 +24,14 @@ def life(duration: float | None = DURATION, speed: float = 1.0) -> Lifetime:
 def test_without_a_plant_patience_ends() -> None:
     waiting = life()
     assert waiting.timed_out(110.0) is None
-    assert waiting.timed_out(110.1) == "no plant was ever heard for 10 s"
+    assert waiting.timed_out(110.1) == "no message of any plant for 10 s"
 
 
 def test_each_message_of_the_plant_renews_patience() -> None:
     waiting = life()
     waiting.clock.seen(0.0, 109.0)
     assert waiting.timed_out(118.9) is None
-    assert waiting.timed_out(119.1) == "no plant was heard for 10 s"
+    assert waiting.timed_out(119.1) == "no message of the plant for 10 s"
 
 
 def test_the_run_is_over_when_two_messages_say_so() -> None:

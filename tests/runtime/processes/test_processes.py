@@ -87,7 +87,7 @@ def test_when_the_plant_is_gone_the_others_end_soon(processes: ProcessGroup) -> 
     for role in ("goal", "joint/1"):
         code, said = processes.result(role)
         assert code == 1
-        assert "no plant was heard for 1 s" in said
+        assert "no message of the plant for 1 s" in said
 
 
 @pytest.mark.parametrize(
