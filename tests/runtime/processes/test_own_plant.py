@@ -56,6 +56,21 @@ class Racer(Agent):
     def decide(self, percepts):
         return 99.0
 '''
+BROKEN = """
+from own_servos import Servos
+
+
+class BrokenStep(Servos):
+    def step(self) -> None:
+        super().step()
+        if self.t > 0.2:
+            raise OSError("bus off")
+
+
+class BrokenOpen(Servos):
+    def open(self) -> None:
+        raise OSError("bus off")
+"""
 PLANAR5 = (ROOT / "deploy" / "planar5.yaml").read_text()
 PLANT = "plant: {class: own_servos:Servos, ratio: 0.9}\n"
 
@@ -106,6 +121,24 @@ def test_any_plant_gets_lawful_commands_only_and_no_faults_that_it_cannot_have(
     wait_for(lambda: record().endswith("closed\n"), "the plant to be closed")
     over = [line for line in robot.log("plant", "refused") if line["reason"] == Reason.OVER_LIMIT]
     assert len(over) == 1, "said once"
+
+
+def test_a_plant_that_fails_is_closed_and_its_process_ends_with_the_error(robot: Robot) -> None:
+    file = write_files(robot.folder, "plant: {class: own_broken:BrokenStep}\n")
+    (robot.folder / "own_broken.py").write_text(BROKEN)
+    robot.start("launch", file, "--robot", robot.name)
+    wait_for(lambda: robot.t >= 0.2 and robot.log("plant", "end"), "the plant to end")
+    (end,) = robot.log("plant", "end")
+    assert (end["code"], end["reason"]) == (1, "OSError: bus off")
+    assert (robot.folder / "record.txt").read_text().endswith("closed\n")
+
+
+def test_a_plant_that_cannot_be_opened_starts_no_run(robot: Robot) -> None:
+    file = write_files(robot.folder, "plant: {class: own_broken:BrokenOpen}\n")
+    (robot.folder / "own_broken.py").write_text(BROKEN)
+    done = robot.msma("launch", file, "--robot", robot.name)
+    assert done.returncode == 1
+    assert "OSError: bus off" in done.stdout + done.stderr
 
 
 @pytest.mark.parametrize(
