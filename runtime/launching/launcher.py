@@ -50,11 +50,12 @@ class RunEvent(NamedTuple):
 class RunOutcome(NamedTuple):
     """How a run went, as the launcher saw it.
 
-    code: 130 if it was interrupted, else 0
-    reason: why it ended
-    view: what was to be seen last of the processes, while they lived
-    events: what nobody else logs: how processes ended, and what was tried in vain
-    host: whose share alone was started, None if all was
+    Attributes:
+        code: 130 if it was interrupted, else 0.
+        reason: Why it ended.
+        view: The last view of the processes while they were alive.
+        events: What only the launcher logs: how processes ended, and what failed.
+        host: The host whose processes alone were started; None if all were.
     """
 
     code: int
@@ -86,10 +87,13 @@ def prepare(
 class Launcher:
     """Starts the processes of a run and stays with it to its end.
 
-    make_screen: called once the processes are started, for what it imports takes time
-    network: what carries out chaos between hosts, None if nothing can
-    processes: what starts and ends processes, by default on this machine
-    host: whose share it starts, by default all: the rest is somebody else's
+    Args:
+        deployment: The deployment.
+        run: The run's folder.
+        make_screen: Called once the processes have started, because its imports take time.
+        network: Carries out chaos between hosts; None if nothing can.
+        processes: Starts and ends processes; by default on this machine.
+        host: The host whose processes it starts; by default all.
     """
 
     def __init__(

@@ -30,11 +30,13 @@ _PATIENCE = 30.0  # [s] for the forkserver to answer, which may have to import a
 class ForkServer:
     """Starts processes that outlive this one, for as long as it is open.
 
-    It is a process by itself, begun as a copy of this one. Only a process of one thread can be
-    copied, so make it before a bus is joined: later, or where it has been killed, each process
-    runs Python anew. It decides nothing, and ends with whoever made it.
+    It is a process of its own, forked from this one. Only a process with one thread can be forked
+    safely, so create it before joining a bus: later, or if it was killed, each process starts a new
+    Python. It decides nothing, and ends with its creator.
 
-    role: of all that it will start, so that nobody waits for what others need; None: any
+    Args:
+        role: The role of all processes that it will start, to import no more than they need; None
+            for any role.
     """
 
     def __init__(self, role: str | None = None) -> None:
@@ -150,7 +152,10 @@ def _can_be_copied() -> bool:
 def _tend(role: str | None, ours: socket.socket, line: socket.socket) -> int:
     """Be the forkserver: do what is asked for until nobody can ask any more.
 
-    role: see `ForkServer`; ours: the other end, which is for who made the forkserver
+    Args:
+        role: See `ForkServer`.
+        ours: The other end of the socket, which belongs to the creator.
+        line: The forkserver's end of the socket.
     """
     ours.close()
     _leave_the_parent(Path(os.devnull))

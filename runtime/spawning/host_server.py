@@ -32,10 +32,11 @@ _CHUNK = 48 * 1024  # [bytes] of a file that go in one line
 
 
 def serve(*, stays: bool) -> int:
-    """Do what is asked for on standard input, and return the exit code.
+    """Serve requests on standard input, and return the exit code.
 
-    stays: whether to look after the processes when nobody asks any more, until they have ended;
-        otherwise it ends then, and so do they
+    Args:
+        stays: Whether to stay with the processes until they end when standard input closes;
+            otherwise it ends then, and so do they.
     """
     share = _HostServer()
     try:
@@ -110,10 +111,7 @@ class _HostServer:
     def _begin(
         self, run: str, deployment: str | None = None, keys: Mapping[str, str] | None = None
     ) -> None:
-        """Take the run's folder; with a deployment make it, for it is nobody else's.
-
-        keys: files for it that are gone as soon as nothing runs here any more
-        """
+        """Use the run's folder; with a deployment create it, with files to delete at the end."""
         self._run = Path(run).absolute()
         if deployment is not None:
             self._run.mkdir(parents=True)

@@ -1,4 +1,4 @@
-"""The processes of a run on several hosts, each told what to do by a line: see `share.py`."""
+"""The processes of a run on several hosts, each controlled by lines of JSON: see `share.py`."""
 
 import base64
 import itertools
@@ -132,20 +132,24 @@ class _Host:
             self._ended += self.processes.lose(self.complaint())
 
     def complaint(self) -> str:
-        """Return what was said last of why it is gone."""
+        """Return the last line of its error output, as the reason why it is gone."""
         with suppress(OSError):
             lines = self._out.read_text(encoding="utf-8", errors="replace").split("\n")
-            told = (line.strip() for line in reversed(lines))
-            # the latter is all that `unshare` says if what it runs is killed
-            return next((line for line in told if line and "sigprocmask" not in line), "it is gone")
+            found = (line.strip() for line in reversed(lines))
+            # `unshare` prints that alone if the process in it is killed
+            return next(
+                (line for line in found if line and "sigprocmask" not in line), "it is gone"
+            )
         return "it is gone"
 
 
 class RemoteProcesses:
     """All processes of a run, wherever they are; stands for `LocalProcesses`.
 
-    hosts: what speaks for each host, on its standard input and output
-    away: whether the hosts do not see the run's folder, and need one of their own
+    Args:
+        run: The run's folder.
+        hosts: The process that serves each host, on its standard input and output.
+        away: Whether the hosts cannot see the run's folder, and need one of their own.
     """
 
     def __init__(

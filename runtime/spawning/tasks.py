@@ -20,10 +20,12 @@ _SOURCES = Path(__file__).parents[2]
 
 
 class Task(NamedTuple):
-    """What a process is to do: its role in a run.
+    """The task of a process: its role in a run.
 
-    copy: the host on which it stands by for another in that role; None if it is the first
-    run: the folder of the run, which holds `deployment.yaml` and takes what is logged
+    Attributes:
+        role: The role.
+        copy: The host of a standby; None for the first process of the role.
+        run: The run's folder, which holds `deployment.yaml` and the logs.
     """
 
     role: str

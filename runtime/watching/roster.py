@@ -16,9 +16,14 @@ _KEPT = 256  # processes, however many a flood makes up
 class Row(NamedTuple):
     """One process as it is seen.
 
-    alive: whether it is there, and since when that is so [s, the watcher's clock]
-    diag: what it said of itself last, None if it has not yet; heard: when [s]
-    answer: how long it takes to answer the plant, as the plant says; None if it does not
+    Attributes:
+        role: Its role.
+        incarnation: Its incarnation.
+        alive: Whether its liveliness token is there.
+        since: Since when that is so [s, the watcher's clock].
+        diag: Its last diagnostics; None before the first.
+        heard: When they arrived [s, the watcher's clock].
+        answer: Latency of its answers to the plant, as measured there; None if it does not answer.
     """
 
     role: str

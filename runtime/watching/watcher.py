@@ -116,18 +116,18 @@ class Watcher:
         for goals in self._goals:
             for arrival in goals.waiting(_AT_ONCE):
                 self._goal.accept(arrival.key, arrival.data, now)
-        t, pose, told = self.clock.look(now), self._hand.fresh(now), self._goal.selected(now)
+        t, pose, message = self.clock.look(now), self._hand.fresh(now), self._goal.selected(now)
         goal = error = None
-        if told is not None:
-            goal = goal_at(told, t)
-        if pose is not None and told is not None:
-            error = math.dist(pose.position, goal_at(told, pose.t))
+        if message is not None:
+            goal = goal_at(message, t)
+        if pose is not None and message is not None:
+            error = math.dist(pose.position, goal_at(message, pose.t))
             self._worst = max(self._worst or 0.0, error)
         with self._lock:
             rows = self._roster.rows()
         hand = pose.position if pose is not None else None
         joints, platform = self._joints.fresh(now), self._platform.fresh(now)
-        return View(t, hand, goal, error, self._worst, rows, joints, platform, told)
+        return View(t, hand, goal, error, self._worst, rows, joints, platform, message)
 
 
 def goal_at(goal: GoalMessage, t: float) -> Position:
