@@ -123,7 +123,7 @@ def test_the_agent_and_the_node_of_ones_own_can_be_deployed(place):
     assert ours in deployment
     text = deployment.replace(ours, agents.partition("agents:\n")[2])
     (place / "mine.yaml").write_text(f"{text}\n{nodes}")
-    done = run("msma-launch mine.yaml --speed 4", place)
+    done = run("msma-launch mine.yaml --speed 2", place)
     assert done.returncode == 0, done.stdout + done.stderr
     (log,) = place.glob("runs/*/odometer.jsonl")
     end = json.loads(log.read_text().splitlines()[-1])

@@ -12,6 +12,7 @@ from bench.echo.workload import AGENTS, ROLES, STATES
 from bench.others.kills import measure_kills
 from bench.others.processes import ProcessGroup, await_port, free_port
 from bench.others.systems import VICTIM, Kill, System, dataflow
+from tests.runtime.conftest import DEADLINE
 
 PYTHON = Path(sys.executable)
 ADAPTER = "tests.bench.others.datagram_adapter"
@@ -39,7 +40,7 @@ class Datagrams(System):
 
 
 def wait_until_gone(pids: list[int]) -> None:
-    until = time.monotonic() + 10
+    until = time.monotonic() + DEADLINE
     while any(Path(f"/proc/{pid}").exists() for pid in pids):
         assert time.monotonic() < until
         time.sleep(0.05)

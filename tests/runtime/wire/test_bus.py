@@ -20,8 +20,8 @@ KEY = topics.joint_command(1)
 ROLES = 4
 
 
-class Street:
-    """Places of one robot on the bus, all in this process."""
+class Network:
+    """Sessions of one robot on the bus, all in this process."""
 
     def __init__(self, processes: ProcessGroup, stack: ExitStack) -> None:
         self._crew, self._stack = processes, stack
@@ -38,9 +38,9 @@ class Street:
 
 
 @pytest.fixture
-def street(processes: ProcessGroup) -> Iterator[Street]:
+def network(processes: ProcessGroup) -> Iterator[Network]:
     with ExitStack() as stack:
-        yield Street(processes, stack)
+        yield Network(processes, stack)
 
 
 def arrives(sender: Bus, ring: RingSubscriber, key: str = KEY) -> JointCommand:
@@ -57,8 +57,8 @@ def arrives(sender: Bus, ring: RingSubscriber, key: str = KEY) -> JointCommand:
     return wait_for(look, f"a message on {key}")
 
 
-def test_messages_arrive_with_incarnation_and_a_number_that_counts_up(street: Street) -> None:
-    here, there = street.join(0), street.join(1)
+def test_messages_arrive_with_incarnation_and_a_number_that_counts_up(network: Network) -> None:
+    here, there = network.join(0), network.join(1)
     ring = there.ring(KEY)
     arrives(here, ring)
     publisher = here.publisher(KEY)
@@ -80,8 +80,8 @@ def _all(ring: RingSubscriber, most: int = 8) -> list[JointCommand]:
     return [unpack(JointCommand, arrival.data) for arrival in ring.waiting(most)]
 
 
-def test_a_ring_keeps_the_newest_and_drops_the_oldest(street: Street) -> None:
-    here, there = street.join(0), street.join(1)
+def test_a_ring_keeps_the_newest_and_drops_the_oldest(network: Network) -> None:
+    here, there = network.join(0), network.join(1)
     ring = there.ring(KEY, depth=2)
     arrives(here, ring)
     every = there.ring(KEY, depth=200)
@@ -100,8 +100,8 @@ def test_a_ring_keeps_the_newest_and_drops_the_oldest(street: Street) -> None:
     assert older == newest - 1
 
 
-def test_a_queue_of_samples_tells_when_each_message_arrived(street: Street) -> None:
-    here, there = street.join(0), street.join(1)
+def test_a_queue_of_samples_tells_when_each_message_arrived(network: Network) -> None:
+    here, there = network.join(0), network.join(1)
     sample_queue = there.sample_queue(KEY)
     before = time.monotonic()
     arrives(here, there.ring(KEY))
@@ -110,8 +110,8 @@ def test_a_queue_of_samples_tells_when_each_message_arrived(street: Street) -> N
     assert arrival.key == KEY
 
 
-def test_what_is_far_too_large_is_not_handed_on(street: Street) -> None:
-    here, there = street.join(0), street.join(1)
+def test_what_is_far_too_large_is_not_handed_on(network: Network) -> None:
+    here, there = network.join(0), network.join(1)
     ring = there.ring(KEY)
     arrives(here, ring)
     # one that may be dropped may also be lost on the way, when the machine is busy
@@ -123,8 +123,8 @@ def test_what_is_far_too_large_is_not_handed_on(street: Street) -> None:
     assert sizes == [LARGEST + 1]
 
 
-def test_no_message_crosses_to_another_robot_on_the_same_ports(street: Street) -> None:
-    ours, theirs, spy = street.join(0), street.join(1, "other"), street.join(2, "other")
+def test_no_message_crosses_to_another_robot_on_the_same_ports(network: Network) -> None:
+    ours, theirs, spy = network.join(0), network.join(1, "other"), network.join(2, "other")
     ring = spy.ring("**")
     publishers = ours.publisher(KEY), theirs.publisher(KEY)
     seen: list[JointCommand] = []
@@ -139,22 +139,22 @@ def test_no_message_crosses_to_another_robot_on_the_same_ports(street: Street) -
     assert {message.t for message in seen} == {1.0}
 
 
-def test_a_newcomer_is_heard_whoever_was_first_and_has_gone(street: Street) -> None:
-    first, second = street.join(0), street.join(2)
+def test_a_newcomer_is_heard_whoever_was_first_and_has_gone(network: Network) -> None:
+    first, second = network.join(0), network.join(2)
     arrives(first, second.ring(KEY))
     first.close()
-    newcomer = street.join(1)
+    newcomer = network.join(1)
     arrives(newcomer, second.ring(KEY))
-    again = street.join(0)
+    again = network.join(0)
     arrives(again, newcomer.ring(KEY))
 
 
 def test_a_port_that_is_taken_says_who_may_have_it_and_what_to_do(
-    street: Street, processes: ProcessGroup
+    network: Network, processes: ProcessGroup
 ) -> None:
-    street.join(1)
+    network.join(1)
     with pytest.raises(BusError) as caught:
-        street.join(1)
+        network.join(1)
     for part in (
         f"port {processes.port + 1} of {LOOPBACK}",
         "joint/1",
@@ -165,8 +165,8 @@ def test_a_port_that_is_taken_says_who_may_have_it_and_what_to_do(
         assert part in str(caught.value)
 
 
-def test_closing_wakes_who_waits_for_a_message(street: Street) -> None:
-    bus = street.join(0)
+def test_closing_wakes_who_waits_for_a_message(network: Network) -> None:
+    bus = network.join(0)
     ring = bus.ring(KEY)
     closer = threading.Timer(0.1, bus.close)
     closer.start()
@@ -175,16 +175,16 @@ def test_closing_wakes_who_waits_for_a_message(street: Street) -> None:
     closer.join()
 
 
-def test_sending_on_a_closed_bus_says_so(street: Street) -> None:
-    bus = street.join(0)
+def test_sending_on_a_closed_bus_says_so(network: Network) -> None:
+    bus = network.join(0)
     publisher = bus.publisher(KEY)
     bus.close()
     with pytest.raises(BusError):
         publisher.send(JointCommand(0.0, 0.0))
 
 
-def test_a_question_is_answered_by_all_even_on_the_same_key(street: Street) -> None:
-    one, two, tool = street.join(0), street.join(1), street.visit()
+def test_a_question_is_answered_by_all_even_on_the_same_key(network: Network) -> None:
+    one, two, tool = network.join(0), network.join(1), network.visit()
     one.answer("ctl/joint/1/stop", lambda question: b"one " + question)
     two.answer("ctl/joint/1/stop", lambda question: b"two " + question)
 
@@ -195,22 +195,22 @@ def test_a_question_is_answered_by_all_even_on_the_same_key(street: Street) -> N
     assert wait_for(ask, "two answers") == [b"one now", b"two now"]
 
 
-def test_a_question_that_is_refused_gets_the_reason(street: Street) -> None:
+def test_a_question_that_is_refused_gets_the_reason(network: Network) -> None:
     def refuse(question: bytes) -> bytes:
         raise MsmaError("there is no such joint")
 
-    here, tool = street.join(0), street.visit()
+    here, tool = network.join(0), network.visit()
     here.answer(topics.FAULT, refuse)
     (answer,) = wait_for(lambda: tool.ask(topics.FAULT, b"joint/9:locked"), "an answer")
     assert (answer.data, answer.agreed) == (b"there is no such joint", False)
 
 
-def test_a_question_that_nobody_answers_gets_no_answers(street: Street) -> None:
-    assert street.visit().ask("ctl/nobody/stop", timeout=0.5) == []
+def test_a_question_that_nobody_answers_gets_no_answers(network: Network) -> None:
+    assert network.visit().ask("ctl/nobody/stop", timeout=0.5) == []
 
 
-def test_no_question_waits_for_a_bus_that_is_held_up(street: Street) -> None:
-    asking, other = street.join(0), street.join(1)
+def test_no_question_waits_for_a_bus_that_is_held_up(network: Network) -> None:
+    asking, other = network.join(0), network.join(1)
     other.answer(topics.FAULT, lambda question: b"ok")
     wait_for(lambda: asking.ask(topics.FAULT), "an answer")
     held, released = threading.Event(), threading.Event()
@@ -239,13 +239,13 @@ def test_no_question_waits_for_a_bus_that_is_held_up(street: Street) -> None:
         released.set()
 
 
-def test_tokens_show_who_comes_and_who_goes(street: Street) -> None:
+def test_tokens_show_who_comes_and_who_goes(network: Network) -> None:
     seen: list[tuple[str, bool]] = []
-    early = street.join(0)
+    early = network.join(0)
     early.announce("plant")
-    tool = street.visit()
+    tool = network.visit()
     tool.watch_alive(lambda key, there: seen.append((key, there)))
-    late = street.join(1)
+    late = network.join(1)
     late.announce("joint/1")
     plant = topics.alive("plant", early.incarnation)
     joint = topics.alive("joint/1", late.incarnation)
