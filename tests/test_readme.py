@@ -96,7 +96,7 @@ def test_keys_are_made_and_the_robot_runs_by_them(place):
 
 def test_a_running_robot_is_controlled_from_another_terminal(place, robot):
     launcher = subprocess.Popen(
-        [BIN / "msma-launch", "deploy/arph.yaml", "--duration", "1h"],
+        [BIN / "msma-launch", "deploy/arph.yaml", "--duration", "10min"],
         cwd=place,
         env=environment(),
         stdout=subprocess.DEVNULL,

@@ -38,7 +38,7 @@ def test_the_paper_s_task_is_done_and_nothing_is_left_but_the_record(robot: Robo
 
 def test_all_move_at_once_show_their_roles_and_have_sessions_of_their_own(robot: Robot) -> None:
     began = time.time()
-    robot.launch("--duration", "1h")
+    robot.launch("--duration", "10min")
     robot.until(0.5)
     moved = next(tick for tick in robot.log("plant", "tick") if any(tick["qd"]))
     assert moved["wall"] - began < SOON
@@ -134,7 +134,7 @@ def test_a_run_whose_plant_dies_has_failed(robot: Robot) -> None:
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_an_interrupted_launch_leaves_no_process(robot: Robot, number: signal.Signals) -> None:
-    launcher = robot.launch("--duration", "1h")
+    launcher = robot.launch("--duration", "10min")
     robot.until(0.5)
     launcher.send_signal(number)
     wait_for(lambda: not robot.processes(), "all to end")
@@ -144,7 +144,7 @@ def test_an_interrupted_launch_leaves_no_process(robot: Robot, number: signal.Si
 
 
 def test_an_interrupted_launch_ends_even_those_who_hang(robot: Robot) -> None:
-    launcher = robot.launch("--duration", "1h")
+    launcher = robot.launch("--duration", "10min")
     robot.until(0.5)
     for role in ("plant", "joint/1"):
         os.kill(robot.pid(role), signal.SIGSTOP)
@@ -153,7 +153,7 @@ def test_an_interrupted_launch_ends_even_those_who_hang(robot: Robot) -> None:
 
 
 def test_a_second_launch_of_the_same_robot_fails_and_spares_the_first(robot: Robot) -> None:
-    first = robot.launch("--duration", "1h")
+    first = robot.launch("--duration", "10min")
     robot.until(0.5)
     before = robot.processes()
     code, said = robot.run("--duration", "4s")
@@ -174,7 +174,7 @@ def test_a_start_that_fails_in_a_process_ends_the_others(robot: Robot, tmp_path:
         "        super().__init__(body, **more)\n"
     )
     code, said = robot.run(
-        *("--duration", "1h"),
+        *("--duration", "10min"),
         "--set",
         f"modules={tmp_path}",
         "--set",

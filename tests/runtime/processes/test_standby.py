@@ -52,7 +52,7 @@ def test_copies_that_cannot_be_are_refused(text: str, says: str) -> None:
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP], ids=["killed", "hung"])
 def test_a_standby_takes_over_within_the_hold_time(robot: Robot, number: signal.Signals) -> None:
     options = ("--set", "agents.joint/1.copies=2", "--set", "plant.hold=2s")
-    launcher = robot.launch("--duration", "1h", *options)
+    launcher = robot.launch("--duration", "10min", *options)
     robot.until(1.0)
     shown = robot.tool("status").stdout
     assert shown.count("joint/1 ") == 2, shown

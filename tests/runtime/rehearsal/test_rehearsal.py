@@ -118,7 +118,7 @@ def test_when_the_first_host_dies_the_others_go_on_and_newcomers_join(robot: Rob
 
 
 def test_an_interrupted_rehearsal_ends_as_any_launch_does(robot: Robot) -> None:
-    launcher = rehearse(robot, "--duration", "1h")
+    launcher = rehearse(robot, "--duration", "10min")
     robot.until(0.5)
     launcher.send_signal(signal.SIGINT)
     out, _ = launcher.communicate(timeout=RUN_DEADLINE)
@@ -127,7 +127,7 @@ def test_an_interrupted_rehearsal_ends_as_any_launch_does(robot: Robot) -> None:
 
 
 def test_a_rehearsal_ends_with_its_launcher(robot: Robot) -> None:
-    launcher = rehearse(robot, "--duration", "1h")
+    launcher = rehearse(robot, "--duration", "10min")
     robot.until(0.5)
     launcher.kill()
     wait_for(lambda: not robot.processes(), "all to end")

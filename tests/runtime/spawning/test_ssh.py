@@ -111,7 +111,7 @@ def test_all_hosts_are_started_from_one_terminal_and_their_logs_brought_back(
 
 
 def test_an_interrupted_launch_ends_the_processes_of_all_hosts(robot: Robot) -> None:
-    launcher = by_ssh(robot, "--duration", "1h")
+    launcher = by_ssh(robot, "--duration", "10min")
     wait_for(lambda: len(processes(robot)) >= 9, "all processes")
     launcher.send_signal(signal.SIGINT)
     out, _ = launcher.communicate(timeout=RUN_DEADLINE)

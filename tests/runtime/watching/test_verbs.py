@@ -17,7 +17,7 @@ def running(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
     """A robot that runs without an end; its launcher is dead."""
     with ExitStack() as stack:
         robot = Robot(tmp_path_factory.mktemp("verbs"), stack)
-        launcher = robot.launch("--duration", "1h")
+        launcher = robot.launch("--duration", "10min")
         robot.until(0.3)
         launcher.kill()
         wait_for(
@@ -136,7 +136,7 @@ def test_of_a_robot_that_does_not_run_it_is_said(robot: Robot) -> None:
 
 
 def test_all_of_it_is_stopped(robot: Robot) -> None:
-    launcher = robot.launch("--duration", "1h")
+    launcher = robot.launch("--duration", "10min")
     robot.until(0.3)
     assert robot.tool("stop", "joint/5").stdout == "stopped: joint/5\n"
     said = robot.tool("stop")

@@ -271,7 +271,7 @@ def test_all_tools_work_by_the_operator_s_certificate(robot: Robot, tmp_path: Pa
     where = tmp_path / "keys"
     write_keys(where, Authority(robot.name, 10), names(ROLES), [LOOPBACK])
     launcher = robot.launch(
-        *("--duration", "1h", "--set", f"security.keys={where}"), file="arph-secure.yaml"
+        *("--duration", "10min", "--set", f"security.keys={where}"), file="arph-secure.yaml"
     )
     robot.until(0.3)
     msma = tool(robot)

@@ -71,7 +71,7 @@ WANTED = {("plant", topics.joint_command(1)): 2000, ("joint/1", topics.HAND): 10
 def test_in_a_flood_the_run_reaches_its_goal_and_status_counts_what_was_refused(
     robot: Robot,
 ) -> None:
-    launcher = robot.launch("--duration", "1h", "--speed", "2")
+    launcher = robot.launch("--duration", "10min", "--speed", "2")
     robot.until(1.0)
     place = on_loopback(port_base(robot.name), 16).visitor()
     with Bus(robot.name, "a test", place, random.getrandbits(60)) as bus:
