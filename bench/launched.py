@@ -96,10 +96,10 @@ def launched(
 
 def use_star_topology() -> None:
     """Let this process and its copies connect to the plant and the goal source only."""
-    full_mesh = Mesh.seat
+    full_mesh = Mesh.endpoints
 
-    def seat(self: Mesh, slot: int) -> Endpoints:
-        endpoints = full_mesh(self, slot)
-        return endpoints._replace(dials=endpoints.dials[:_HUBS])
+    def endpoints(self: Mesh, slot: int) -> Endpoints:
+        usual = full_mesh(self, slot)
+        return usual._replace(dials=usual.dials[:_HUBS])
 
-    Mesh.seat = seat  # type: ignore[method-assign] # only a bench does so
+    Mesh.endpoints = endpoints  # type: ignore[method-assign] # only a bench does so

@@ -41,7 +41,7 @@ def run_process(
 ) -> None:
     """Run a process of the echo, and call `before` and `after` around each of its messages."""
     slot = ROLES.index(spec.role)
-    with zenoh.open(config("echo", on_loopback(spec.port, len(ROLES)).seat(slot))) as session:
+    with zenoh.open(config("echo", on_loopback(spec.port, len(ROLES)).endpoints(slot))) as session:
         run = _run_plant if spec.role == "plant" else _run_other
         run(session, spec, before, after)
 

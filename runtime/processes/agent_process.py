@@ -152,7 +152,7 @@ class AgentNode(Node):
             return self._senses.percepts(now)
 
     def _lately(self) -> Iterator[Sample]:
-        """Yield what came of the kinds that are of use to a decision only."""
+        """Yield what came of the topics that are of use to a decision only."""
         for ring in self._others:
             yield from ring.waiting(_AT_ONCE)
 

@@ -66,10 +66,10 @@ class Perception:
         self.t = 0.0
 
     def accept(self, arrival: Sample, now: float) -> bool:
-        """Accept what arrived `now` [s]; tell whether it calls for a decision.
+        """Accept what arrived `now` [s]; return whether it calls for a decision.
 
-        The joint states do, which the plant sends last of all it knows of one moment, and in
-        their absence the hand's pose.
+        The joint states do, which the plant publishes last of each moment; without them, the pose
+        of the hand does.
         """
         match arrival.key:
             case topics.JOINTS:
@@ -83,8 +83,8 @@ class Perception:
                 self._goal.accept(arrival.key, arrival.data, now)
             case key if key in self._sensors:
                 self._sensors[key].accept(arrival.data, now)
-            case stranger:
-                self._refusals.count_unknown(stranger)
+            case unknown:
+                self._refusals.count_unknown(unknown)
         return False
 
     def _keep(self, message: S | None, kept: deque[S]) -> S | None:
@@ -144,7 +144,7 @@ def _array(numbers: tuple[float | None, ...]) -> Array:
 
 
 def _of(moment: float, newest: S, kept: deque[S]) -> S:
-    """Return what the same process said of a moment [s], or the newest if nothing is kept."""
+    """Return the message of the same source at a moment [s], or the newest if it is not kept."""
     if newest.t == moment:
         return newest
     for message in kept:

@@ -234,11 +234,11 @@ def _join(deployment: Deployment, member: ProcessSpec, incarnation: int) -> Bus:
         return Bus(deployment.robot, role, place, incarnation, credentials)
 
     if not member.copy:
-        return take(mesh.seat(deployment.slot(role)))
+        return take(mesh.endpoints(deployment.slot(role)))
     home = deployment.hosts[member.host].address
     for slot in range(FIRST_COPY, SLOTS):
         try:
-            return take(mesh.copy_seat(slot, home))
+            return take(mesh.copy_endpoints(slot, home))
         except BusError as error:
             taken = error
     raise taken

@@ -26,7 +26,7 @@ from runtime.wire.zenoh_internals.callbacks import CallbackSubscriber, SampleQue
 
 _LINGER = 0.1  # [s] that an answer has to leave before the bus is closed: closing drops what waits
 
-_LATER = 0.5  # [s] than Zenoh is to give up a question, until nobody waits for it to do so
+_LATER = 0.5  # [s] after which a query that Zenoh has not given up by itself is given up
 
 
 class BusError(MsmaError, ConnectionError):
@@ -34,7 +34,7 @@ class BusError(MsmaError, ConnectionError):
 
 
 class Answer(NamedTuple):
-    """What a process answered to a question: its key, the bytes, and whether it agreed."""
+    """What a process answered to a query: its key, the bytes, and whether it agreed."""
 
     key: str
     data: bytes
@@ -67,7 +67,7 @@ class Publisher:
 def send_together(messages: Sequence[tuple[Publisher, Message]]) -> None:
     """Send several, the last one on an express publisher, so that all go in one packet.
 
-    Nothing is worked out in between, or what was sent first might go alone.
+    All are packed first, or the first ones might go alone.
     """
     packed = [(publisher, publisher._packed(message)) for publisher, message in messages]
     for publisher, data in packed:
@@ -129,8 +129,8 @@ class Bus:
         except zenoh.ZError as error:
             raise BusError(_why(robot, role, place, str(error))) from None
         self._token: zenoh.LivelinessToken | None = None
-        self._reflexes: list[CallbackSubscriber] = []
-        self._asked = -math.inf  # when somebody asked last [s, monotonic]
+        self._on_samples: list[CallbackSubscriber] = []
+        self._asked = -math.inf  # when the last query came [s, monotonic]
 
     def __enter__(self) -> Self:
         return self
@@ -146,7 +146,7 @@ class Bus:
     def close(self) -> None:
         """Leave the bus: a loop that waits for messages ends with `BusError`."""
         time.sleep(max(self._asked + _LINGER - time.monotonic(), 0.0))
-        for on_sample in self._reflexes:
+        for on_sample in self._on_samples:
             on_sample.close()
         self._session.close()  # type: ignore[no-untyped-call] # an omission in zenoh's stubs
 
@@ -195,7 +195,7 @@ class Bus:
         """Return what reacts to each message on a key expression, and to silence, once it runs."""
         on_sample = CallbackSubscriber(reader(expression), react, silence, afterwards)
         self._session.declare_subscriber(expression, direct_callback(on_sample.put))
-        self._reflexes.append(on_sample)
+        self._on_samples.append(on_sample)
         return on_sample
 
     def subscribe(self, key: str, take: Callable[[str, bytes], None]) -> None:
@@ -209,11 +209,11 @@ class Bus:
         key = topics.alive(role, self.incarnation)
         self._token = self._session.liveliness().declare_token(key)
 
-    def watch_alive(self, tell: Callable[[str, bool], None]) -> None:
-        """Call `tell` with each token's key and whether it is there, first for all there are."""
+    def watch_alive(self, react: Callable[[str, bool], None]) -> None:
+        """Call `react` with each token's key and whether it is there, first for all there are."""
         self._session.liveliness().declare_subscriber(
             topics.EVERYBODY_ALIVE,
-            lambda sample: tell(str(sample.key_expr), sample.kind == zenoh.SampleKind.PUT),
+            lambda sample: react(str(sample.key_expr), sample.kind == zenoh.SampleKind.PUT),
             history=True,
         )
 
@@ -232,7 +232,7 @@ class Bus:
         return [str(reply.ok.key_expr) for reply in replies if reply.ok is not None]
 
     def answer(self, key: str, reply: Callable[[bytes], bytes]) -> None:
-        """Answer each question on `key` by what `reply` returns, or by its error's message."""
+        """Answer each query on `key` by what `reply` returns, or by its error's message."""
 
         def on_query(query: zenoh.Query) -> None:
             self._asked = time.monotonic()
@@ -245,7 +245,7 @@ class Bus:
         self._session.declare_queryable(key, on_query)
 
     def ask(self, key: str, question: bytes = b"", timeout: float = 1.0) -> list[Answer]:
-        """Ask all who answer on a key expression; wait at most `timeout` [s]."""
+        """Query all that answer on a key expression; wait at most `timeout` [s]."""
 
         def get(handler: "Callback[zenoh.Reply]") -> None:
             self._session.get(

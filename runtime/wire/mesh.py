@@ -74,13 +74,13 @@ class Mesh(NamedTuple):
         """The addresses of all hosts."""
         return tuple(dict.fromkeys(self.hosts))
 
-    def seat(self, slot: int) -> Endpoints:
-        """Return the place of a role's process."""
+    def endpoints(self, slot: int) -> Endpoints:
+        """Return the endpoints of a role's process."""
         home = self.homes[slot]
         return self._place(home, slot, self._roles(slot))
 
-    def copy_seat(self, slot: int, home: str) -> Endpoints:
-        """Return the place of a copy in one of the slots for copies of the host `home`.
+    def copy_endpoints(self, slot: int, home: str) -> Endpoints:
+        """Return the endpoints of a copy in one of the slots for copies of the host `home`.
 
         A slot's port is there on each host, so of two copies in one slot the host decides.
         """
@@ -89,7 +89,7 @@ class Mesh(NamedTuple):
         return self._place(home, slot, self._roles(len(self.homes)), (*self._copies(slot), *same))
 
     def visitor(self) -> Endpoints:
-        """Return the place of a tool, which dials all roles and copies and is dialled by none.
+        """Return the endpoints of a tool, which dials all roles and copies and is dialled by none.
 
         Dialling 128 slots of which 10 answer costs it 0.1 s at the start and 2 % of a core, so it
         is worth knowing how many roles there are.

@@ -6,7 +6,7 @@ from enum import StrEnum
 from plant.errors import MsmaError
 
 UNKNOWN_KEYS = "(unknown keys)"
-"""Stands for all keys that are none of ours: what strangers make up is not repeated."""
+"""Stands for all keys that are not in the contract: anybody can make up any number of them."""
 REASONS_KEPT = 16
 OTHER_REASONS = "other reasons"
 
@@ -15,7 +15,7 @@ class Reason(StrEnum):
     """Why a message is refused, or noteworthy; the value is what people read.
 
     `ANOTHER_SOURCE` counts sources, not messages: each that begins to publish while another is
-    fresh. `OVER_LIMIT` counts commands that are obeyed within the limits.
+    fresh. `OVER_LIMIT` counts commands that are carried out within the limits.
     """
 
     TOO_LARGE = "too large"
@@ -47,7 +47,7 @@ def say_nothing(key: str, reason: str, detail: str) -> None:
 
 
 class Refusals:
-    """Counts by key and reason, in bounded memory as long as the keys are ours.
+    """Counts by key and reason, in bounded memory as long as the keys are of the contract.
 
     Args:
         say: Called with key, reason and detail at the first refusal of a key for a reason.
@@ -58,7 +58,7 @@ class Refusals:
         self._counts: dict[str, dict[str, int]] = {}
 
     def count(self, key: str, reason: str, detail: str = "", times: int = 1) -> None:
-        """Count one refusal, or several, of what came on `key`, which is one of ours."""
+        """Count one or several refusals on `key`, which is in the contract."""
         reasons = self._counts.setdefault(key, {})
         before = reasons.get(reason, 0)
         if not before and len(reasons) >= REASONS_KEPT:
@@ -69,7 +69,7 @@ class Refusals:
             self._say(key, reason, detail)
 
     def count_unknown(self, key: str) -> None:
-        """Count a message on a key that is none of ours."""
+        """Count a message on a key that is not in the contract."""
         self.count(UNKNOWN_KEYS, Reason.UNKNOWN_KEY, f"the first was {key[:100]!r}")
 
     def table(self) -> dict[str, dict[str, int]]:

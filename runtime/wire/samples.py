@@ -11,7 +11,7 @@ _OVERSIZE = bytes(LARGEST + 1)  # stands for what is too large to be looked at
 
 
 class Sample(NamedTuple):
-    """What came: on which key, and the bytes."""
+    """One message as it arrives: its key, and the bytes."""
 
     key: str
     data: bytes

@@ -87,7 +87,7 @@ def access_list(robot: str, roles: Sequence[str], contract: Contract = STANDARD)
     - operators may query anything below `ctl`, and publish the goal.
 
     A rule covers a message if its keys include all of the message's, so a wildcard that reaches
-    beyond one's own keys is refused whole. Zenoh sees keys below the robot's name.
+    beyond a role's own keys is refused as a whole. Zenoh sees keys below the robot's name.
     """
     rules = _Rules(f"{robot}/")
     everybody = list(names(roles))

@@ -1,8 +1,8 @@
-"""Messages taken by the very thread that receives them, so that no other has to wake up for them.
+"""Callbacks in the thread that receives the message, so that no other thread has to wake up for it.
 
-To wake a thread of Python's own, which then waits for the interpreter's lock, takes more time of
-the processors than most messages do. But the thread that receives does all of Zenoh's other work
-too, so what is done in it has to be short.
+Waking a thread of Python's own, which then waits for the interpreter's lock, takes more processor
+time than most messages do. But the receiving thread does all of Zenoh's other work too, so what is
+done in it has to be short.
 """
 
 import ctypes

@@ -164,6 +164,6 @@ def _unnamed_file() -> int:
 
         with tempfile.TemporaryFile("ab") as file:
             return os.dup(file.fileno())
-    memory = os.memfd_create("strangers")
+    memory = os.memfd_create("zenoh-log")
     fcntl.fcntl(memory, fcntl.F_SETFL, os.O_APPEND)
     return memory

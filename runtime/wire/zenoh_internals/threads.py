@@ -5,9 +5,9 @@ import os
 from runtime.wire.zenoh_internals.features import Internal, uses
 
 _MANY_PEERS = "net: (max_blocking_threads: 1024)"
-"""Zenoh has a thread wait for each connection that it makes or closes. There are 50 by default, and
-once all wait for others to be free it stands still for good, as a robot's processes did from some
-sixty on. Those that are not needed are never made."""
+"""In Zenoh a thread waits for each connection that is made or closed. By default there are 50, and
+once all of them wait for others, it stands still for good: so robots did with about sixty
+processes. Threads that are not needed are never made."""
 _ONE_THREAD = (
     f"({_MANY_PEERS}, "
     "app: (handover: net), acc: (handover: net), tx: (handover: net), rx: (handover: net))"
@@ -15,14 +15,18 @@ _ONE_THREAD = (
 
 
 def provide_threads(elsewhere: int) -> None:
-    """Let one thread do all of Zenoh's work, or let no cut cable hold up what comes from others.
+    """Let one thread do all of Zenoh's work, or two for each remote peer.
 
-    By default it has five pools of threads that hand each message on to each other: with nine
-    processes a tick is 90 changes of threads, and half of that with one thread for all, in two
-    thirds of the processors' time. But closing a connection that leads nowhere keeps a receiving
-    thread busy for seconds: where other hosts may vanish, that takes two for each remote peer.
-    Zenoh reads this once, when a process opens its first session. What a user has set stays; what
-    was inherited from a process that had no remote peers does not count.
+    By default Zenoh has five pools of threads that hand each message on: with nine processes a tick
+    is 90 changes of threads. One thread for everything needs half of them, and two thirds of the
+    processor time. But closing a connection to a host that has vanished keeps a receiving thread
+    busy for seconds, so with other hosts there are two for each remote peer.
+
+    Zenoh reads the variable once, when a process opens its first session. What a user has set
+    stays; what was inherited from a process without remote peers does not count.
+
+    Args:
+        elsewhere: The number of remote peers.
     """
     if not uses(Internal.THREADS):
         return

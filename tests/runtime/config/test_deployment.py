@@ -109,7 +109,7 @@ def test_slots_are_plant_goal_and_the_agents_as_listed() -> None:
     deployment = read(GOOD, port="7000")
     assert deployment.roles == ("plant", "goal", "joint/1", "joint/2", "platform")
     assert deployment.slot("platform") == 4
-    assert deployment.mesh.seat(2).listen == ("127.0.0.1", 7002)
+    assert deployment.mesh.endpoints(2).listen == ("127.0.0.1", 7002)
     with pytest.raises(
         ConfigError, match="no process has the role 'joint/3'; did you mean 'joint/2'"
     ):

@@ -53,7 +53,7 @@ def fake_plant(robot: Robot, planted: Path) -> Iterator[Bus]:
         version=VERSION,
         clock=0,
     )
-    seat = on_loopback(port_base(robot.name)).seat(0)
+    seat = on_loopback(port_base(robot.name)).endpoints(0)
     with Bus(robot.name, "plant", seat, random.getrandbits(60)) as bus:
         bus.announce("plant")
         bus.answer(topics.diag("plant"), lambda _: stamped(diag, bus.incarnation, 1))

@@ -28,7 +28,7 @@ class Network:
 
     def join(self, slot: int, robot: str = "") -> Bus:
         mesh = on_loopback(self._crew.port, ROLES)
-        place = mesh.seat(slot) if slot < ROLES else mesh.copy_seat(slot, LOOPBACK)
+        place = mesh.endpoints(slot) if slot < ROLES else mesh.copy_endpoints(slot, LOOPBACK)
         bus = Bus(robot or self._crew.robot, f"joint/{slot}", place, random.getrandbits(60))
         return self._stack.enter_context(bus)
 

@@ -48,7 +48,7 @@ def pair(processes: ProcessGroup) -> Iterator[Pair]:
     with ExitStack() as stack:
         yield Pair(*[
             stack.enter_context(
-                Bus(processes.robot, f"joint/{slot}", mesh.seat(slot), random.getrandbits(60))
+                Bus(processes.robot, f"joint/{slot}", mesh.endpoints(slot), random.getrandbits(60))
             )
             for slot in range(2)
         ])  # fmt: skip

@@ -110,7 +110,7 @@ class Siege:
 
     def _join(self, credentials: Credentials | None) -> Bus:
         """Take the next seat of a copy, which tools dial as well."""
-        place = self._mesh.copy_seat(self._slot, LOOPBACK)
+        place = self._mesh.copy_endpoints(self._slot, LOOPBACK)
         self._slot += 1
         return self._bus(place, credentials)
 
@@ -246,7 +246,7 @@ def test_a_robot_that_is_open_obeys_the_same_stranger(robot: Robot) -> None:
     launcher = robot.launch("--duration", "8s", "--speed", "2")
     robot.until(0.5)
     mesh = on_loopback(port_base(robot.name), len(ROLES))
-    with Bus(robot.name, "a stranger", mesh.copy_seat(FIRST_COPY, LOOPBACK), 1) as bus:
+    with Bus(robot.name, "a stranger", mesh.copy_endpoints(FIRST_COPY, LOOPBACK), 1) as bus:
         n = 0
         while robot.t < 7.0 and launcher.poll() is None:
             n += 1

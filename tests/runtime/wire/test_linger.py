@@ -50,7 +50,10 @@ def test_the_links_of_a_bus_are_found(processes: ProcessGroup) -> None:
     """If Zenoh lets go by itself some day, none are, and there is one file less to keep."""
     disable_linger()
     mesh = on_loopback(processes.port, 2)
-    with Bus(processes.robot, "a", mesh.seat(0), 1), Bus(processes.robot, "b", mesh.seat(1), 2):
+    with (
+        Bus(processes.robot, "a", mesh.endpoints(0), 1),
+        Bus(processes.robot, "b", mesh.endpoints(1), 2),
+    ):
         found = Counter[str]()
 
         def all_found() -> bool:

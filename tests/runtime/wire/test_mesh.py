@@ -13,8 +13,8 @@ COPIES = ((FIRST_COPY, ROBOT), (FIRST_COPY, ARM), (FIRST_COPY + 1, ARM), (FIRST_
 
 def places(mesh: Mesh) -> list[Endpoints]:
     """Return the places of all roles and some copies."""
-    roles = [mesh.seat(slot) for slot in range(len(mesh.homes))]
-    return roles + [mesh.copy_seat(slot, home) for slot, home in COPIES if home in mesh.homes]
+    roles = [mesh.endpoints(slot) for slot in range(len(mesh.homes))]
+    return roles + [mesh.copy_endpoints(slot, home) for slot, home in COPIES if home in mesh.homes]
 
 
 def dialled(place: Endpoints) -> tuple[Address, ...]:
@@ -34,9 +34,9 @@ def test_of_every_two_processes_one_dials_the_other_wherever_they_are(
 
 def test_a_process_listens_at_its_host_s_address() -> None:
     mesh = Mesh(BASE, HOMES, HOSTS)
-    assert [mesh.seat(slot).listen.host for slot in range(len(HOMES))] == list(HOMES)
-    assert str(mesh.seat(1).listen) == f"[fd00::3]:{BASE + 1}"
-    assert mesh.copy_seat(FIRST_COPY, ARM).listen == Address(ARM, BASE + FIRST_COPY)
+    assert [mesh.endpoints(slot).listen.host for slot in range(len(HOMES))] == list(HOMES)
+    assert str(mesh.endpoints(1).listen) == f"[fd00::3]:{BASE + 1}"
+    assert mesh.copy_endpoints(FIRST_COPY, ARM).listen == Address(ARM, BASE + FIRST_COPY)
 
 
 def test_a_tool_dials_every_place_and_is_dialled_by_none() -> None:
@@ -48,7 +48,7 @@ def test_a_tool_dials_every_place_and_is_dialled_by_none() -> None:
 
 def test_a_process_knows_how_many_are_on_other_hosts() -> None:
     mesh = Mesh(BASE, HOMES, HOSTS)
-    assert [mesh.seat(slot).elsewhere for slot in (0, 1, 2)] == [5, 4, 3]
+    assert [mesh.endpoints(slot).elsewhere for slot in (0, 1, 2)] == [5, 4, 3]
     assert mesh.visitor().elsewhere == len(HOMES)
     assert on_loopback(BASE).visitor().elsewhere == 0
 

@@ -48,7 +48,7 @@ def test_all_talk_by_a_router_and_by_another_when_it_dies(
     first = router(processes.port + 50, processes.port + 51)
     here, there = (
         stack.enter_context(Bus(processes.robot, "a test", place, random.getrandbits(60)))
-        for place in (mesh.seat(0), mesh.visitor())
+        for place in (mesh.endpoints(0), mesh.visitor())
     )
     ring, publisher = there.ring(KEY), here.publisher(KEY)
 
@@ -65,4 +65,4 @@ def test_all_talk_by_a_router_and_by_another_when_it_dies(
 
 def test_without_its_routers_a_process_does_not_begin(processes: ProcessGroup, mesh: Mesh) -> None:
     with pytest.raises(BusError, match="joint/1 cannot join the bus"):
-        Bus(processes.robot, "joint/1", mesh.seat(2), 1)
+        Bus(processes.robot, "joint/1", mesh.endpoints(2), 1)

@@ -64,10 +64,10 @@ class House:
         mesh = on_loopback(self.port, len(ROLES))
         credentials = Credentials(self.folder, name, ROLES)
         if copy or name not in NAMES:
-            place = mesh.copy_seat(96 + self._copies, LOOPBACK)
+            place = mesh.copy_endpoints(96 + self._copies, LOOPBACK)
             self._copies += 1
         else:
-            place = mesh.visitor() if name == OPERATOR else mesh.seat(ROLES.index(name))
+            place = mesh.visitor() if name == OPERATOR else mesh.endpoints(ROLES.index(name))
         bus = Bus(self.robot, name, place, random.getrandbits(60), credentials)
         return self._stack.enter_context(bus)
 
