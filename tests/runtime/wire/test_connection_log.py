@@ -285,9 +285,8 @@ def test_all_tools_work_by_the_operator_s_certificate(robot: Robot, tmp_path: Pa
     refused = [line for line in status.splitlines() if REJECTED_CONNECTIONS in line]
     assert [line for line in refused if not NOT_TLS.search(line)] == []
     assert "runs already" in msma("doctor").stdout
-    said = robot.tool("status")
-    assert (said.returncode, said.stdout) == (1, "")
-    assert "security" in said.stderr
+    said = robot.tool("status")  # without the file: this user has started the run
+    assert said.returncode == 0, said.stderr
     assert msma("stop").returncode == 0
     launcher.communicate(timeout=RUN_DEADLINE)
     assert robot.processes() == {}
