@@ -29,11 +29,11 @@ class Network(Protocol):
         """Begin a partition, a delay or a loss for the event's hosts."""
 
     def end(self, event: ChaosEvent) -> None:
-        """End what `begin` began for that event: as if it had never been."""
+        """End what `begin` began for the event."""
 
 
 def check_means(deployment: Deployment, network: Network | None) -> None:
-    """Raise `ConfigError` if nothing here can carry out what the deployment's chaos wants."""
+    """Raise `ConfigError` if the deployment's chaos needs a network that cannot be impaired."""
     for index, event in enumerate(deployment.chaos):
         if event.action in event.of_network and network is None:
             raise ConfigError(

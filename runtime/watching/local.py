@@ -15,7 +15,7 @@ _ANSWER = 1.0  # [s]
 
 
 def diags(bus: Bus, role: str = "**") -> list[Diag]:
-    """Ask a role, or all, how they are; return what those say who answer."""
+    """Query the diagnostics of a role, or of all; return those that answer."""
     found = []
     for answer in bus.ask(topics.diag(role), timeout=_ANSWER):
         try:
@@ -29,7 +29,7 @@ def check_is_here(bus: Bus, role: str) -> None:
     """Raise `RunError` if a role runs, but on other hosts only."""
     hosts = {diag.host for diag in diags(bus, role)}
     if hosts and socket.gethostname() not in hosts:
-        raise RunError(f"{role} runs on {', '.join(sorted(hosts))}: go there for that")
+        raise RunError(f"{role} runs on {', '.join(sorted(hosts))}: use this command there")
 
 
 def watchers(robot: str) -> list[ProcessId]:

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from runtime.watching.roster import Row
 from runtime.wire.messages import Spread
 
-HEADINGS = ("role", "pid", "host", "alive", "loop Hz", "answer ms", "refused", "goes by")
-"""AnswerTimes are told as median/99 % of the time it takes to answer the plant."""
+HEADINGS = ("role", "pid", "host", "alive", "loop Hz", "answer ms", "refused", "state")
+"""`answer ms` is median and 99th percentile of the latency of answers to the plant."""
 
 
 def cells(row: Row, now: float) -> tuple[str, ...]:
@@ -17,7 +17,7 @@ def cells(row: Row, now: float) -> tuple[str, ...]:
     if row.diag is None:
         return (row.role, "", "", alive, "", "", "", "")
     diag = row.diag
-    goes_by = diag.state if diag.state != "runs" or diag.perception == "none" else diag.perception
+    state = diag.state if diag.state != "runs" or diag.perception == "none" else diag.perception
     rate = f"{diag.rate:.4g}" if row.alive else ""
     answer = "" if row.answer is None else milliseconds(row.answer)
     return (
@@ -28,7 +28,7 @@ def cells(row: Row, now: float) -> tuple[str, ...]:
         rate,
         answer,
         str(row.refused),
-        goes_by if row.alive else "",
+        state if row.alive else "",
     )
 
 
