@@ -5,7 +5,7 @@ machine for this number of Python processes with these laws and messages.
 """
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from pathlib import Path
 from statistics import median
@@ -16,6 +16,19 @@ from bench.echo.runner import Measurement
 from bench.echo.runner import run as run_side
 from bench.echo.workload import AGENTS, ROLES, EchoSpec, to_args
 from bench.interleaving import Ratio, interleaved, ratio
+from bench.loop_tables import (
+    BUSY,
+    DECIDING,
+    EVERY_STATE,
+    NOTES,
+    OURS,
+    PLAIN,
+    Runs,
+    costs_table,
+    due,
+    in_time,
+    times_table,
+)
 from bench.machine import busy_cores, free_port
 from bench.msma_runs import ARPH, deployed, run_msma
 from studies.study import Progress, Row
@@ -25,16 +38,9 @@ RATES = {17: 5.0, 100: 4.0, 500: 20.0, 1000: 6.0, 2000: 3.0}
 ROUNDS = 3
 DETAILED = (500, 1000)
 """Rates [Hz] with further variants: those of the bars on time and processors."""
-OURS, PLAIN, DECIDING = "msma", "plain Zenoh", "plain Zenoh that also decides"
-EVERY_STATE = "msma, deciding on every state"
-"""MSMA without `Agent.rest`, to show what that saves."""
-BUSY = "msma, other programs on all cores"
-"""MSMA beside a busy loop on each core, so that no core is ever idle."""
 _REPETITIONS = 500
 MOST_OFF = 0.006
 """Largest error of a run that counts as done [m]: at 60 ms, twice that of the paper."""
-
-Runs = Mapping[str, Sequence[Measurement]]
 
 
 class LoopBench(Bench):
@@ -64,7 +70,7 @@ class LoopBench(Bench):
         return Result(
             checks=tuple(checks),
             bars=tuple(bars(found)),
-            tables=(_times(found), _costs(found), *work_tables(found)),
+            tables=(times_table(found), costs_table(found), *work_tables(found)),
             notes=NOTES,
             data={
                 str(rate): {
@@ -201,11 +207,11 @@ def _slower(sides: Runs, side: str) -> Ratio:
 def _answered(rate: int, sides: Runs, bar: float) -> Row:
     shares = {}
     for side, runs in sides.items():
-        due = _due(runs)
-        late = due - _in_time(runs)
-        shares[side] = f"{100 * (1 - late / due):.3f} % (all but {late} of {due})"
+        total = due(runs)
+        late = total - in_time(runs)
+        shares[side] = f"{100 * (1 - late / total):.3f} % (all but {late} of {total})"
     what = f"{rate} Hz: answered by all in the period"
-    held = _in_time(sides[OURS]) >= bar * _due(sides[OURS])
+    held = in_time(sides[OURS]) >= bar * due(sides[OURS])
     return Row(what, f"{100 * bar:g} %", _beside(shares), held)
 
 
@@ -213,53 +219,6 @@ def _beside(figures: Mapping[str, str]) -> str:
     """Return MSMA's figure, followed by the others with their names."""
     others = [f"{side}: {figure}" for side, figure in figures.items() if side != OURS]
     return "; ".join((figures[OURS], *others))
-
-
-def _in_time(runs: Sequence[Measurement]) -> int:
-    return sum(int(run.ticks["in_time"]) for run in runs)
-
-
-def _due(runs: Sequence[Measurement]) -> int:
-    return sum(int(run.ticks["ticks"] + run.ticks["missed"]) for run in runs)
-
-
-def _times(found: Mapping[int, Runs]) -> Table:
-    rows = []
-    for rate, sides in found.items():
-        for side, runs in sides.items():
-            times = [
-                f"{1e3 * median(run.time(which) for run in runs):.2f}"
-                for which in ("p50", "p99", "p999", "worst")
-            ]
-            beside = [
-                ratio([run.time(which) for run in runs], [run.time(which) for run in sides[PLAIN]])
-                for which in ("p50", "p99")
-            ]
-            rows.append((f"{rate} Hz", side, *times, f"{100 * _in_time(runs) / _due(runs):.3f} %",
-                         *(each.text() if side != PLAIN else "" for each in beside)))  # fmt: skip
-    head = ("rate", "system", "p50 [ms]", "p99", "p99.9", "max", "all in time",
-            "p50 / plain", "p99 / plain")  # fmt: skip
-    return Table("latency from state to command, at the plant", head, tuple(rows))
-
-
-def _costs(found: Mapping[int, Runs]) -> Table:
-    rows = []
-    for rate, sides in found.items():
-        for side, runs in sides.items():
-            cells = []
-            for group in (("plant",), ("goal",), ROLES[2:]):
-                used = [run.usage[role] for run in runs for role in group]
-                cells.append(f"{100 * median(usage.cpu for usage in used):.1f} %")
-            every = [usage for run in runs for usage in run.usage.values()]
-            rows.append((
-                f"{rate} Hz", side, *cells, f"{median(run.cores for run in runs):.2f}",
-                f"{max(usage.pss for usage in every) / 1e6:.1f}",
-                f"{max(usage.rss for usage in every) / 1e6:.1f}",
-                f"{max(usage.threads for usage in every)}",
-            ))  # fmt: skip
-    head = ("rate", "system", "plant: cpu", "goal", "an agent", "all: cores",
-            "largest PSS [MB]", "RSS [MB]", "threads")  # fmt: skip
-    return Table("cost of the processes", head, tuple(rows))
 
 
 def work_tables(found: Mapping[int, Runs]) -> list[Table]:
@@ -292,27 +251,3 @@ def _alone(work: Callable[[], object]) -> float:
     for _ in range(_REPETITIONS):
         work()
     return (time.thread_time() - begun) / _REPETITIONS
-
-
-NOTES = (
-    "Each round starts all processes of each system anew. Times are medians over the rounds, "
-    "shares are of all ticks, ratios are of two systems in the same round (minimum to maximum).",
-    "Plain Zenoh has the same sessions, keys, message sizes and number of processes; its agents "
-    "only return the number of the tick.",
-    "MSMA's agents answer every state and decide at most 100 times a second. In between they "
-    "repeat the last decision, because within a twelfth of its horizon their law gives the same "
-    "result. They answer first and then decide, so that no answer waits for a decision. "
-    f"'{EVERY_STATE}' has neither.",
-    "Plain Zenoh that also decides does in each agent what our agent's law does for a decision, as "
-    "often as MSMA, on recorded percepts, and in the plant a step of the simulation. All of its "
-    "processes also pack and unpack the messages of the wire contract that this requires. So it "
-    "shows the limit for this number of Python processes with these laws and messages. MSMA also "
-    "arbitrates between sources, assembles percepts, and logs. Its processor time per tick beyond "
-    "that of the plain echo is the cost of unpacking, deciding and packing beside other processes.",
-    "All processes of all systems ask for real-time scheduling, as those of a launch do. Where it "
-    "is not granted, programs on all cores delay a robot. Where it is granted, they help: a core "
-    "that is never idle need not be woken, which takes long on a virtual machine.",
-    "A tick is answered in time if the commands of all seven agents arrive within its period at "
-    "the process that published it, by that process's clock. Ticks that it was too late to publish "
-    "count as not answered.",
-)

@@ -11,7 +11,8 @@ from typing import Any
 
 from bench.bench import Bench, BenchError, Check, Result
 from bench.echo.runner import Measurement
-from bench.loop import OURS, PLAIN, run_plain
+from bench.loop import run_plain
+from bench.loop_tables import OURS, PLAIN
 from bench.msma_runs import ARPH, deployed, run_msma
 from bench.others.environments import environment
 from bench.others.kills import PERIOD, KillImpact, measure_kills

@@ -8,7 +8,7 @@ from typing import Any
 from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter
 
-from bench.loop import OURS
+from bench.loop_tables import OURS
 from studies.drawing.style import BLUE, COLOURS, DASHES, ORANGE, save, sheet
 
 _TIMES = (0.1, 300.0)  # [ms]

@@ -8,7 +8,7 @@ from bench.bench import Table
 from bench.echo.runner import Measurement
 from bench.echo.workload import AGENTS, ROLES
 from bench.interleaving import ratio
-from bench.loop import OURS, PLAIN
+from bench.loop_tables import OURS, PLAIN
 from bench.others.arrivals import Gap
 from bench.others.kills import KillImpact
 

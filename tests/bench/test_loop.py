@@ -22,16 +22,8 @@ from bench.echo.workload import (
     tick_of,
     to_args,
 )
-from bench.loop import (
-    BUSY,
-    DECIDING,
-    EVERY_STATE,
-    OURS,
-    PLAIN,
-    LoopBench,
-    bars,
-    work_tables,
-)
+from bench.loop import LoopBench, bars, work_tables
+from bench.loop_tables import BUSY, DECIDING, EVERY_STATE, OURS, PLAIN
 from bench.machine import busy_cores
 from bench.usage import Usage, cpu_seconds, is_alive
 from runtime.wire import topics

@@ -11,7 +11,7 @@ import pytest
 from bench.bench import BenchError
 from bench.echo.runner import Measurement
 from bench.echo.workload import AGENTS, ROLES
-from bench.loop import OURS, PLAIN
+from bench.loop_tables import OURS, PLAIN
 from bench.msma_runs import MsmaRun
 from bench.others import comparison
 from bench.others.arrivals import Gap
