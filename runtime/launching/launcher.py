@@ -1,6 +1,6 @@
-"""The launcher: it starts the processes of a run, shows them, does what chaos wants, and judges.
+"""The launcher: it starts the processes of a run, shows them, and carries out the chaos.
 
-No process needs it: once they run, it may be killed and nobody notices.
+No process needs it: once they run, it may be killed and the others go on.
 """
 
 import signal
@@ -8,16 +8,17 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from runtime.chaos.injector import ANSWER, FaultInjector, Network, check_means
 from runtime.chaos.schedule import Schedule
 from runtime.chaos.successor import start_successor
 from runtime.config.chaos import ChaosEvent
 from runtime.config.deployment import Deployment
-from runtime.errors import RunError
+from runtime.launching.journal import Journal
+from runtime.launching.presence import Presence
 from runtime.processes.lifetime import Lifetime, Shutdown
-from runtime.processes.log_writer import LogWriter
+from runtime.results.outcome import RunOutcome
 from runtime.spawning.escalation import ALL_MEANS, FORCE, Escalation, Means, end_all
 from runtime.spawning.local import LocalProcesses, ProcessExit, ProcessGroup
 from runtime.spawning.registry import RegisteredRun, begin_run, forget, register
@@ -35,34 +36,9 @@ if TYPE_CHECKING:
         Screen,  # imports rich: not before the processes are started
     )
 
-_TURN = 0.02  # [s] between two looks at children and plant time
+_TURN = 0.02  # [s] between two looks at the processes and at plant time
 _FRAME = 0.25  # [s] between two pictures
 _AMPLE = 2.0  # [s] for processes to end by themselves when the run is over
-
-
-class RunEvent(NamedTuple):
-    """Something that happened at plant time `t` [s]."""
-
-    t: float
-    text: str
-
-
-class RunOutcome(NamedTuple):
-    """How a run went, as the launcher saw it.
-
-    Attributes:
-        code: 130 if it was interrupted, else 0.
-        reason: Why it ended.
-        view: The last view of the processes while they were alive.
-        events: What only the launcher logs: how processes ended, and what failed.
-        host: The host whose processes alone were started; None if all were.
-    """
-
-    code: int
-    reason: str
-    view: View
-    events: tuple[RunEvent, ...]
-    host: str | None = None
 
 
 def prepare(
@@ -105,147 +81,110 @@ class Launcher:
         processes: ProcessGroup | None = None,
         host: str | None = None,
     ) -> None:
-        self._deployment = deployment
-        self._host = host
+        self._deployment, self._run, self._host = deployment, run, host
         self._members = [one for one in deployment.processes if host in (None, one.host)]
         self._roles = {one.role for one in self._members}
         self._make_screen, self._network = make_screen, network
-        self._ending = Shutdown()
-        self._run = run
-        self._children = LocalProcesses(run) if processes is None else processes
-        self._journal = LogWriter(run, "launcher")
-        self._schedule = Schedule(filter(self._is_ours, deployment.chaos))
-        self._happenings: list[RunEvent] = []
-        self._starting = set(self._roles)
+        self._shutdown = Shutdown()
+        self._processes = LocalProcesses(run) if processes is None else processes
+        self._journal = Journal(run)
+        self._presence = Presence(deployment, run, self._roles, self._journal)
         self._view = View(0.0, None, None, None, None, [])
-        self._strangers: ConnectionLog | None = None
-        self._there: dict[int, str] = {}  # the role of each incarnation that is seen alive
 
     def go(self) -> RunOutcome:
-        """Go through with the run; `RunError` if a process does not start.
+        """Carry out the run; `RunError` if a process does not start.
 
         Whatever happens, no process that was started is left when this returns.
         """
-        self._ending.catch_signals()
+        self._shutdown.catch_signals()
         register(RegisteredRun.of(self._deployment, self._run))
         with ExitStack() as cleanup:  # goes through all steps, also when one raises
             cleanup.callback(forget, self._deployment.robot, self._run)
-            cleanup.callback(self._children.tidy)
-            cleanup.callback(self._journal.close)
+            cleanup.callback(self._processes.tidy)
+            cleanup.callback(self._journal.log.close)
             cleanup.callback(self._end, FORCE)
-            self._children.start(self._members)
-            with self._look_out(), self._visit() as bus:
+            self._processes.start(self._members)
+            with self._watch_refusals() as refusals, self._join() as bus:
                 self._watcher = Watcher(bus)
-                self._control = Control(bus, self._children, ANSWER)
-                self._screen = self._make_screen()
+                self._control = Control(bus, self._processes, ANSWER)
+                screen = self._journal.screen = self._make_screen()
                 try:
-                    self._stay()
+                    self._loop(self._chaos(), Display(screen, refusals))
                     self._finish()
                 finally:
-                    self._screen.close()
-        return RunOutcome(
-            self._ending.code,
-            self._ending.reason or "",
-            self._view,
-            tuple(self._happenings),
-            self._host,
-        )
-
-    def _is_ours(self, event: ChaosEvent) -> bool:
-        """Tell whether it is this launcher that carries out an event, and not another host's."""
-        if event.role in self._deployment.roles:
-            return event.role in self._roles
-        return PLANT in self._roles
+                    screen.close()
+                    self._journal.screen = None
+        code, reason = self._shutdown.code, self._shutdown.reason or ""
+        return RunOutcome(code, reason, self._view, tuple(self._journal.events), self._host)
 
     @contextmanager
-    def _look_out(self) -> Iterator[None]:
-        """Log who is turned away meanwhile, if anybody is."""
+    def _watch_refusals(self) -> "Iterator[ConnectionLog | None]":
+        """Log the connections that are refused meanwhile, where certificates are asked for."""
         if self._deployment.security is None:
-            yield
+            yield None
             return
-        with ConnectionLog(Refusals(self._note_refused), lambda *_: None) as self._strangers:
-            yield
+        with ConnectionLog(Refusals(self._journal.refused), lambda *_: None) as log:
+            yield log
 
-    def _note_refused(self, key: str, reason: str, detail: str) -> None:
-        self._journal.write(self._view.t, "refused", key=key, reason=reason, detail=detail)
-
-    def _visit(self) -> Bus:
+    def _join(self) -> Bus:
         deployment = self._deployment
         place, credentials = deployment.mesh.visitor(), deployment.credentials(OPERATOR)
         return Bus(deployment.robot, "launcher", place, 0, credentials)
 
-    def _stay(self) -> None:
-        """Watch until the run is over, nothing is left of it, or somebody interrupts it."""
-        deployment, now = self._deployment, time.monotonic()
-        life = Lifetime(
-            self._watcher.clock,
-            patience=deployment.patience,
-            duration=deployment.duration,
-            speed=deployment.speed,
-        )
-        self._view, frame = self._watcher.look(), now
+    def _chaos(self) -> Callable[[View], None]:
+        """Return what carries out the chaos that is due."""
+        schedule = Schedule(filter(self._is_ours, self._deployment.chaos))
         injector = FaultInjector(
-            deployment,
+            self._deployment,
             self._control,
             self._watcher,
-            self._journal,
-            show=lambda text: self._screen.happened(self._view.t, text),
-            happened=self._happened,
+            self._journal.log,
+            show=self._journal.show,
+            happened=self._journal.happened,
             start_successor=lambda t: start_successor(self._run, t),
             network=self._network,
         )
-        while self._children and not self._ending.wait(_TURN):
-            now = time.monotonic()
-            self._view = self._watcher.look()
-            self._starting -= {
-                row.role
-                for row in self._view.rows
-                if row.diag and Path(row.diag.run).name == self._run.name
-            }
-            self._note_gone()
-            for ended in self._children.ended():
-                self._check_end(ended)
-            for due in self._schedule.due(self._view.t):
+
+        def carry_out(view: View) -> None:
+            for due in schedule.due(view.t):
                 if due.event.role is not None:
-                    self._starting.discard(due.event.role)
+                    self._presence.starting.discard(due.event.role)
                 injector.carry_out(due)
-            if now >= frame:
-                frame = now + _FRAME
-                self._screen.show(self._view)
-                if self._strangers is not None:
-                    self._strangers.look()
+
+        return carry_out
+
+    def _is_ours(self, event: ChaosEvent) -> bool:
+        """Tell whether this launcher carries out an event, and not that of another host."""
+        if event.role in self._deployment.roles:
+            return event.role in self._roles
+        return PLANT in self._roles
+
+    def _loop(self, *reactions: Callable[[View], None]) -> None:
+        """React to what is seen until the run is over, nothing is left, or it is interrupted."""
+        of = self._deployment
+        life = Lifetime(
+            self._watcher.clock, patience=of.patience, duration=of.duration, speed=of.speed
+        )
+        while self._processes and not self._shutdown.wait(_TURN):
+            self._view = self._watcher.look()
+            self._journal.t = self._view.t
+            self._presence.look(self._view)
+            for one in self._processes.ended():
+                self._presence.ended(one)
+            for react in reactions:
+                react(self._view)
+            now = time.monotonic()
             if life.over(now) or life.timed_out(now):
                 return
 
-    def _note_gone(self) -> None:
-        """Log who is seen to go, dead or hung, and who is seen again: what `status` shows too."""
-        now, rows = time.monotonic(), {row.incarnation: row for row in self._view.rows}
-        there = {by: row for by, row in rows.items() if row.alive}
-        for by in self._there.keys() - there.keys():
-            ago = now - rows[by].since if by in rows else 0.0  # beside a copy it is not shown
-            role = self._there[by]
-            self._journal.write(self._view.t, "gone", role=role, by=f"{by:x}", ago=round(ago, 6))
-        self._there = {by: row.role for by, row in there.items()}
-
-    def _check_end(self, ended: ProcessExit) -> None:
-        """Note the end of a process; `RunError` if it had not started yet and the run needs it."""
-        needed = self._deployment.node(ended.role) is None
-        if needed and ended.role in self._starting and ended.code > 0:  # a killed one did start
-            raise RunError(f"{ended.role} did not start: {ended.said or ended.how}")
-        self._starting.discard(ended.role)
-        self._note_end(ended)
-
-    def _note_end(self, ended: ProcessExit) -> None:
-        if ended.code:
-            self._happened(f"{ended.role} {ended.how}", pid=ended.pid, code=ended.code)
-
     def _finish(self) -> None:
         """Give the processes time to end by themselves, unless interrupted, and then end them."""
-        interrupted = self._ending.reason is not None
-        alone = not self._starting and len(self._members) == len(self._deployment.processes)
-        means = ALL_MEANS if alone else FORCE  # others may have the name, and run
-        self._end(means, after=0.0 if interrupted else _AMPLE, ended=self._note_end)
-        self._ending.ask("the run is over")
+        interrupted = self._shutdown.reason is not None
+        all_here = len(self._members) == len(self._deployment.processes)
+        means = ALL_MEANS if all_here and not self._presence.starting else FORCE
+        # another run may have the name, and is not asked to stop
+        self._end(means, after=0.0 if interrupted else _AMPLE, ended=self._journal.ended)
+        self._shutdown.ask("the run is over")
 
     def _end(
         self,
@@ -254,15 +193,23 @@ class Launcher:
         ended: Callable[[ProcessExit], None] = lambda one: None,
     ) -> None:
         """Wait until no process is left, and from `after` [s] on end them; kill at Ctrl-C."""
-        signal.signal(signal.SIGINT, lambda *_: self._children.signal(signal.SIGKILL))
+        signal.signal(signal.SIGINT, lambda *_: self._processes.signal(signal.SIGKILL))
         escalation = Escalation(time.monotonic() + after, means)
-        end_all(self._children, escalation, ask=self._ask_to_stop, ended=ended)
+        end_all(self._processes, escalation, ask=lambda: self._control.stop(), ended=ended)
 
-    def _ask_to_stop(self) -> None:
-        self._control.stop()
 
-    def _happened(self, text: str, **more: object) -> None:
-        t = self._view.t
-        self._happenings.append(RunEvent(t, text))
-        self._journal.write(t, "happened", what=text, **more)
-        self._screen.happened(t, text)
+class Display:
+    """Shows what is seen, a few times a second."""
+
+    def __init__(self, screen: "Screen", refusals: ConnectionLog | None) -> None:
+        self._screen, self._refusals = screen, refusals
+        self._next = 0.0  # [s] on the monotonic clock, when it shows the next picture
+
+    def __call__(self, view: View) -> None:
+        """Show it if it is time to."""
+        now = time.monotonic()
+        if now >= self._next:
+            self._next = now + _FRAME
+            self._screen.show(view)
+            if self._refusals is not None:
+                self._refusals.look()

@@ -5,8 +5,8 @@ from contextlib import suppress
 from pathlib import Path
 
 from runtime.config.deployment import Deployment
-from runtime.launching.launcher import RunOutcome
 from runtime.results.evaluation import evaluate
+from runtime.results.outcome import RunOutcome
 from runtime.results.run_log import RunLog, RunLogError, read_run_log
 from runtime.results.summary import Summary, summarise
 

@@ -12,8 +12,8 @@ from matplotlib.ticker import NullFormatter
 
 from agents.agent import Array
 from runtime.config.deployment import Deployment
-from runtime.launching.launcher import RunEvent
 from runtime.results.evaluation import goals
+from runtime.results.outcome import RunEvent
 from runtime.results.run_log import RunLog
 
 # The colour-blind safe palette of Okabe and Ito

@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import Any
 
 from runtime.config.deployment import Deployment
-from runtime.launching.launcher import RunEvent, RunOutcome
 from runtime.processes.lifetime import FAILED, INTERRUPTED, OK
 from runtime.results.evaluation import SETTLING, Evaluation, PlatformMotion, Tracking
 from runtime.results.logs import read_log
+from runtime.results.outcome import RunEvent, RunOutcome
 from runtime.results.run_log import RunLog
 from runtime.watching.roster import Row
 from runtime.watching.table import columns, distance, milliseconds

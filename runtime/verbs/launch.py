@@ -15,7 +15,7 @@ from runtime.watching.table import say
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from runtime.launching.launcher import RunOutcome
+    from runtime.results.outcome import RunOutcome
     from runtime.watching.screen import Screen
 
 

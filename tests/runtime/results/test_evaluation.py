@@ -11,9 +11,9 @@ import pytest
 from agents.agent import Array
 from plant.kinematics import Kinematics
 from runtime.config.deployment import Deployment, load
-from runtime.launching.launcher import RunOutcome
 from runtime.processes.lifetime import FAILED, INTERRUPTED, OK
 from runtime.results.evaluation import evaluate, goals
+from runtime.results.outcome import RunOutcome
 from runtime.results.reach import smallest_distance
 from runtime.results.run_log import RunLog, RunLogError, read_run_log
 from runtime.results.summary import MISSED, Summary, summarise
