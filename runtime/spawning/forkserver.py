@@ -1,7 +1,7 @@
-"""Where the processes of a robot begin: as copies of one that has imported what they need.
+"""The forkserver: it forks the processes of a robot, once it has imported what they need.
 
-To run Python anew takes 0.2 s, nearly all of it for imports; a copy is there after milliseconds.
-And all have the same at the same addresses, so what a processor has learned of one serves the next.
+To start a new Python takes 0.2 s, nearly all of it for imports; a fork takes milliseconds. And all
+forks have the same code at the same addresses, which suits the caches of the processor.
 """
 
 import gc
@@ -23,8 +23,8 @@ from setproctitle import setproctitle
 from runtime.errors import exit_code
 from runtime.spawning.tasks import LOST, ChildProcess, Task, start
 
-_LONGEST = 1 << 16  # [bytes] of a question
-_PATIENCE = 30.0  # [s] for the forkserver to answer, which may have to import all first
+_LONGEST = 1 << 16  # [bytes] of a request
+_ANSWER = 30.0  # [s] for the forkserver to answer, which may have to import all first
 
 
 class ForkServer:
@@ -46,7 +46,7 @@ class ForkServer:
         self._line, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         self._pid = copied(partial(_tend, role, self._line, theirs))
         theirs.close()
-        self._line.settimeout(_PATIENCE)
+        self._line.settimeout(_ANSWER)
 
     def __enter__(self) -> Self:
         return self
@@ -64,7 +64,7 @@ class ForkServer:
 
     def start(self, task: Task) -> ChildProcess:
         """Start a process; `OSError` if what it has to say cannot be written."""
-        task.out.touch()  # nobody would hear of it from a copy
+        task.out.touch()  # a fork could not report that it cannot write
         pid = self.ask("start", str(task.run), task.role, task.copy)
         return start(task) if pid is None else _Copy(self, pid)
 

@@ -1,7 +1,7 @@
-"""A host's share of a run, for a launcher that is elsewhere: told what to do line by line.
+"""The processes of one host, for a launcher on another: a server of requests, line by line.
 
-Each line on input is an order, each on output an answer or something that happened, both JSON.
-It is the same over ssh and in a rehearsal; `shares.py` is the other end.
+Each line of input is a request, each line of output an answer or an event, all JSON. It is the same
+over ssh and in a rehearsal; `remote.py` is the client.
 """
 
 import base64
@@ -38,20 +38,20 @@ def serve(*, stays: bool) -> int:
         stays: Whether to stay with the processes until they end when standard input closes;
             otherwise it ends then, and so do they.
     """
-    share = _HostServer()
+    server = _HostServer()
     try:
-        return _serve(share, stays)
+        return _serve(server, stays)
     finally:
-        share.forget()
+        server.forget()
 
 
-def _serve(share: "_HostServer", stays: bool) -> int:
+def _serve(server: "_HostServer", stays: bool) -> int:
     signal.signal(signal.SIGHUP, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, lambda *_: share.end())
+    signal.signal(signal.SIGTERM, lambda *_: server.end())
     waiting = b""
     while True:
-        share.look()
-        if share.ended:
+        server.look()
+        if server.ended:
             return 0
         if not select.select([sys.stdin], [], [], _TURN)[0]:
             continue
@@ -60,9 +60,9 @@ def _serve(share: "_HostServer", stays: bool) -> int:
             break
         *lines, waiting = (waiting + data).split(b"\n")
         for line in lines:
-            share.obey(json.loads(line))
-    while stays and share.processes and not share.ended:
-        share.look()
+            server.carry_out(json.loads(line))
+    while stays and server.processes and not server.ended:
+        server.look()
         time.sleep(_TURN)
     return 0
 
@@ -78,17 +78,17 @@ class _HostServer:
         self._own_folder = False
         self._number = 0  # of the request that is carried out
 
-    def obey(self, order: Mapping[str, Any]) -> None:
-        """Carry out a request; what cannot be done is said."""
-        more = {name: value for name, value in order.items() if name not in ("do", "number")}
-        self._number = order["number"]
+    def carry_out(self, request: Mapping[str, Any]) -> None:
+        """Carry out a request, or answer why it is refused."""
+        more = {name: value for name, value in request.items() if name not in ("do", "number")}
+        self._number = request["number"]
         try:
-            getattr(self, f"_{order['do']}")(**more)
+            getattr(self, f"_{request['do']}")(**more)
         except (MsmaError, OSError) as error:
             self._answer("refused", why=str(error))
 
     def look(self) -> None:
-        """Say who has ended."""
+        """Report the processes that have ended."""
         for one in self.processes.ended() if self.processes is not None else ():
             self._say_ended(one)
 

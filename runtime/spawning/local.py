@@ -1,4 +1,4 @@
-"""The launcher's own processes: it started them, so it can tell how they end, and end them."""
+"""The processes of a run on this machine, and what a group of processes is."""
 
 import signal
 from collections.abc import Iterable
