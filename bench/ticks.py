@@ -14,7 +14,7 @@ from typing import Any
 
 GO, DONE = "go", "done"
 """The events that are printed: the measurement begins, and it has ended."""
-PATIENCE = 15.0
+PATIENCE = 60.0
 """From the first tick until all have answered for the first time [s]."""
 SETTLE = 1.0
 """From the first answer of the last role to the start of the measurement [s]."""

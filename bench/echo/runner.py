@@ -19,7 +19,7 @@ from bench.usage import Meter, Usage, is_alive
 
 ROOT = Path(__file__).parents[2]
 _POLL = 0.5  # [s]
-SPARE = 30.0
+SPARE = 60.0
 """Time allowed for starting, and for evaluation [s]."""
 
 
