@@ -19,6 +19,7 @@ def test_one_message_with_a_huge_time_neither_ends_a_run_nor_fires_its_chaos(
     robot: Robot, corrupted: bool
 ) -> None:
     robot.launch("--duration", "10min", "--kill", "joint/5@9min")  # long after this is over
+    robot.until(1.0)  # by then it has its ports, which a bus of ours beside them would spoil
     place = on_loopback(port_base(robot.name), 16).copy_endpoints(FIRST_COPY, LOOPBACK)
     with Bus(robot.name, "a test", place, random.getrandbits(60)) as bus:
         robot.until(6.0)  # by then the launcher has found who is in a copy's slot
