@@ -40,12 +40,12 @@ class Broken(Node):
     def run(self, context: Context) -> None:
         raise OSError("there is no camera")
 '''
-NODES = "nodes:\n  - {role: camera, class: mine:Camera, rate: 50 Hz}\n"
+NODES = "nodes:\n  - {role: camera, class: own_camera:Camera, rate: 50 Hz}\n"
 ARPH = (ROOT / "deploy" / "arph.yaml").read_text()
 
 
 def deployment(folder: Path, nodes: str = NODES) -> str:
-    (folder / "mine.py").write_text(MINE)
+    (folder / "own_camera.py").write_text(MINE)
     file = folder / "mine.yaml"
     file.write_text(ARPH + "\n" + nodes)
     return str(file)
@@ -91,7 +91,7 @@ def test_a_message_of_a_node_reaches_a_tool(robot: Robot) -> None:
 
 
 def test_a_node_that_fails_at_its_start_ends_no_run(robot: Robot) -> None:
-    file = deployment(robot.folder, "nodes:\n  - {role: camera, class: mine:Broken}\n")
+    file = deployment(robot.folder, "nodes:\n  - {role: camera, class: own_camera:Broken}\n")
     done = robot.msma("launch", file, "--robot", robot.name, "--speed", "4")
     assert done.returncode == 0, done.stdout + done.stderr
     assert "there is no camera" in done.stdout
@@ -100,23 +100,29 @@ def test_a_node_that_fails_at_its_start_ends_no_run(robot: Robot) -> None:
 @pytest.mark.parametrize(
     ("entry", "says"),
     [
-        ("role: camera, class: mine:Camera, rate: -1", "rate: -1 must be positive"),
-        ("role: camera, class: mine:Camera, rat: 1", "unknown key 'rat'; did you mean 'rate'?"),
-        ("role: camera, class: mine:Camra", "mine has no Node class 'Camra'; did you mean"),
-        ("role: camera, class: mine:Camera, host: arm", "there is no host 'arm'"),
-        ("role: plant, class: mine:Camera", "'plant' is a reserved name"),
-        ("role: joint/9, class: mine:Camera", "'joint/9' is a reserved name"),
-        ("role: operator, class: mine:Camera", "'operator' is a reserved name"),
+        ("role: camera, class: own_camera:Camera, rate: -1", "rate: -1 must be positive"),
         (
-            "role: eye, class: mine:Camera}\n  - {role: e, class: mine:Camera",
+            "role: camera, class: own_camera:Camera, rat: 1",
+            "unknown key 'rat'; did you mean 'rate'?",
+        ),
+        (
+            "role: camera, class: own_camera:Camra",
+            "own_camera has no Node class 'Camra'; did you mean",
+        ),
+        ("role: camera, class: own_camera:Camera, host: arm", "there is no host 'arm'"),
+        ("role: plant, class: own_camera:Camera", "'plant' is a reserved name"),
+        ("role: joint/9, class: own_camera:Camera", "'joint/9' is a reserved name"),
+        ("role: operator, class: own_camera:Camera", "'operator' is a reserved name"),
+        (
+            "role: eye, class: own_camera:Camera}\n  - {role: e, class: own_camera:Camera",
             "has that key already",
         ),
         (
-            "role: eye, class: mine:Camera}\n  - {role: eye, class: mine:Camera",
+            "role: eye, class: own_camera:Camera}\n  - {role: eye, class: own_camera:Camera",
             "duplicate node eye",
         ),
         (
-            "role: e/1, class: mine:Camera}\n  - {role: e-1, class: mine:Camera",
+            "role: e/1, class: own_camera:Camera}\n  - {role: e-1, class: own_camera:Camera",
             "duplicate node e-1",
         ),
     ],

@@ -53,10 +53,10 @@ class Taken(KinematicPlant):
 ARPH = (ROOT / "deploy" / "arph.yaml").read_text()
 
 
-def deployment(folder: Path, plant: str = "mine:Belt") -> str:
-    (folder / "mine.py").write_text(MINE)
+def deployment(folder: Path, plant: str = "own_belt:Belt") -> str:
+    (folder / "own_belt.py").write_text(MINE)
     file = folder / "mine.yaml"
-    careful = ARPH.replace("agents.platform:PlatformAgent", "mine:Careful")
+    careful = ARPH.replace("agents.platform:PlatformAgent", "own_belt:Careful")
     file.write_text(careful + f"plant: {{class: {plant}}}\n")
     return str(file)
 
@@ -84,7 +84,7 @@ def test_only_the_plant_has_the_right_to_publish_it(tmp_path: Path) -> None:
 
 def test_a_sensor_on_a_key_that_is_taken_is_refused_with_file_and_line(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match=r"mine.yaml:\d+:.* the wire contract has that key"):
-        load(deployment(tmp_path, "mine:Taken"))
+        load(deployment(tmp_path, "own_belt:Taken"))
 
 
 def test_an_agent_that_asks_for_what_there_is_not_ends_and_says_what_there_is(
