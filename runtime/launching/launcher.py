@@ -5,7 +5,7 @@ No process needs it: once they run, it may be killed and the others go on.
 
 import signal
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -19,7 +19,7 @@ from runtime.launching.journal import Journal
 from runtime.launching.presence import Presence
 from runtime.processes.lifetime import Lifetime, Shutdown
 from runtime.results.outcome import RunOutcome
-from runtime.spawning.escalation import ALL_MEANS, FORCE, Escalation, Means, end_all
+from runtime.spawning.escalation import end_all
 from runtime.spawning.local import LocalProcesses, ProcessExit, ProcessGroup
 from runtime.spawning.registry import RegisteredRun, begin_run, forget, register
 from runtime.tls.verification import verify_all
@@ -102,7 +102,7 @@ class Launcher:
             cleanup.callback(forget, self._deployment.robot, self._run)
             cleanup.callback(self._processes.tidy)
             cleanup.callback(self._journal.log.close)
-            cleanup.callback(self._end, FORCE)
+            cleanup.callback(self._end)
             self._processes.start(self._members)
             with self._watch_refusals() as refusals, self._join() as bus:
                 self._watcher = Watcher(bus)
@@ -181,21 +181,23 @@ class Launcher:
         """Give the processes time to end by themselves, unless interrupted, and then end them."""
         interrupted = self._shutdown.reason is not None
         all_here = len(self._members) == len(self._deployment.processes)
-        means = ALL_MEANS if all_here and not self._presence.starting else FORCE
-        # another run may have the name, and is not asked to stop
-        self._end(means, after=0.0 if interrupted else _AMPLE, ended=self._journal.ended)
+        self._end(
+            after=0.0 if interrupted else _AMPLE,
+            # another run may have the name, and is not asked to stop
+            ask=self._control.stop if all_here and not self._presence.starting else None,
+            ended=self._journal.ended,
+        )
         self._shutdown.ask("the run is over")
 
     def _end(
         self,
-        means: Sequence[Means],
         after: float = 0.0,
+        ask: Callable[[], object] | None = None,
         ended: Callable[[ProcessExit], None] = lambda one: None,
     ) -> None:
         """Wait until no process is left, and from `after` [s] on end them; kill at Ctrl-C."""
         signal.signal(signal.SIGINT, lambda *_: self._processes.signal(signal.SIGKILL))
-        escalation = Escalation(time.monotonic() + after, means)
-        end_all(self._processes, escalation, ask=lambda: self._control.stop(), ended=ended)
+        end_all(self._processes, after=after, ask=ask, ended=ended)
 
 
 class Display:

@@ -6,11 +6,9 @@ import os
 import shutil
 import socket
 import subprocess
-import sys
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
-from types import TracebackType
 from typing import Self
 
 from runtime.config.chaos import LAUNCHER, WATCHER, ChaosEvent
@@ -19,8 +17,8 @@ from runtime.config.tree import ConfigError
 from runtime.errors import RunError
 from runtime.rehearsal.tap import enter_new_network, open_tap
 from runtime.spawning.remote import out_of
+from runtime.spawning.tasks import environment, python
 
-_SOURCES = Path(__file__).parents[2]
 _START_TIMEOUT = 20.0  # [s]
 _NAMESPACES = ("--net", "--uts", "--pid", "--fork", "--mount-proc", "--kill-child=SIGKILL")
 _HOSTS, _OUR_ADDRESS = "10.87.0.{}", "10.87.255.254"
@@ -63,19 +61,19 @@ class VirtualNetwork:
     def _start(self, name: str, run: Path) -> socket.socket:
         """Start a host; return the socket that will receive its TAP device."""
         receiver, sender = socket.socketpair()
-        address = self.deployment.hosts[name].address
+        host = python("runtime.rehearsal.host", name, self.deployment.hosts[name].address)
         with sender, out_of(run, name).open("ab") as out:
             process = subprocess.Popen(
-                ["unshare", *_NAMESPACES, *_python("host"), name, address, str(sender.fileno())],
+                ["unshare", *_NAMESPACES, *host, str(sender.fileno())],
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=out,
                 pass_fds=[sender.fileno()],
                 start_new_session=True,
-                env=_environment(),
+                env=environment(),
             )
         self.hosts[name] = process
-        self._stack.callback(_end, process)
+        self._ends_with_us(process)
         return self._stack.enter_context(receiver)
 
     def _start_switch(self, taps: dict[str, int]) -> None:
@@ -85,13 +83,17 @@ class VirtualNetwork:
             pairs = [f"{name}={tap}" for name, tap in taps.items()]
             seed = str(self.deployment.seed)
             switch = subprocess.Popen(
-                [*_python("switch"), str(theirs.fileno()), seed, *pairs],
+                python("runtime.rehearsal.switch", str(theirs.fileno()), seed, *pairs),
                 stdin=subprocess.DEVNULL,
                 pass_fds=[theirs.fileno(), *taps.values()],
                 start_new_session=True,
-                env=_environment(),
+                env=environment(),
             )
-        self._stack.callback(_end, switch)
+        self._ends_with_us(switch)
+
+    def _ends_with_us(self, process: "subprocess.Popen[bytes]") -> None:
+        self._stack.enter_context(process)
+        self._stack.callback(process.kill)
 
     def begin(self, event: ChaosEvent) -> None:
         """Begin a partition, a delay or a loss for the event's hosts."""
@@ -111,12 +113,7 @@ class VirtualNetwork:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._stack.close()
 
 
@@ -167,20 +164,3 @@ def _receive_tap(receiver: socket.socket, name: str, run: Path) -> int:
     if not files:
         raise RunError(f"host {name} of the rehearsal did not start: see {out_of(run, name)}")
     return files[0]
-
-
-def _python(module: str) -> list[str]:
-    return [sys.executable, "-P", "-m", f"runtime.rehearsal.{module}"]
-
-
-def _environment() -> dict[str, str]:
-    path = os.pathsep.join(filter(None, (str(_SOURCES), os.environ.get("PYTHONPATH"))))
-    return {**os.environ, "PYTHONPATH": path}
-
-
-def _end(process: "subprocess.Popen[bytes]") -> None:
-    process.kill()
-    process.wait()
-    for pipe in (process.stdin, process.stdout):
-        if pipe is not None:
-            pipe.close()

@@ -1,9 +1,8 @@
-"""How a group of processes is made to end: first asked, then by signals, each step once."""
+"""How a group of processes is made to end: it is asked to, then SIGTERM, then SIGKILL."""
 
 import time
-from collections.abc import Callable, Iterable
-from enum import Enum
-from signal import Signals
+from collections.abc import Callable
+from signal import SIGKILL, SIGTERM
 
 from plant.errors import MsmaError
 from runtime.spawning.local import ProcessExit, ProcessGroup
@@ -11,70 +10,40 @@ from runtime.spawning.local import ProcessExit, ProcessGroup
 _TURN = 0.02  # [s] between two looks at the processes
 
 
-class Means(Enum):
-    """How a process is made to end, in the order in which it is tried."""
-
-    ASK = "stop"
-    TERMINATE = "SIGTERM"
-    KILL = "SIGKILL"
-
-
-ALL_MEANS = tuple(Means)
-FORCE = (Means.TERMINATE, Means.KILL)
-
-
-class Escalation:
-    """The steps from asking to killing, each due once, some time after the one before.
-
-    Args:
-        began: When the end was wanted [s], on the clock that `due` is given.
-        means: The steps.
-        pause: How long to wait after each [s].
-    """
-
-    def __init__(
-        self, began: float, means: Iterable[Means] = ALL_MEANS, pause: float = 0.6
-    ) -> None:
-        self._left = [(began + index * pause, each) for index, each in enumerate(means)]
-
-    def due(self, now: float) -> list[Means]:
-        """Return the steps that have become due at `now` [s]."""
-        due = [means for at, means in self._left if at <= now]
-        self._left = self._left[len(due) :]
-        return due
-
-
 def end_all(
     processes: ProcessGroup,
-    escalation: Escalation,
     *,
-    ask: Callable[[], object] = lambda: None,
+    after: float = 0.0,
+    pause: float = 0.6,
+    ask: Callable[[], object] | None = None,
     ended: Callable[[ProcessExit], None] = lambda one: None,
 ) -> None:
-    """Go through the steps until no process is left.
+    """Go from step to step until no process is left.
 
     A step that fails does not keep the next one from being tried.
 
     Args:
         processes: What is to end.
-        escalation: The steps.
-        ask: Asks all processes to stop.
+        after: How long they have to end by themselves [s].
+        pause: How long to wait after each step [s].
+        ask: Asks all processes to stop; by default they get signals only.
         ended: Is called with each process that has ended.
 
     Raises:
         Exception: The first error of a step, once no process is left, unless it is one that
             systems and networks cause (`MsmaError`, `OSError`).
     """
+    steps: list[Callable[[], object]] = [] if ask is None else [ask]
+    steps += [lambda: processes.signal(SIGTERM), lambda: processes.signal(SIGKILL)]
+    due = time.monotonic() + after
     failed: Exception | None = None
     while processes:
-        for means in escalation.due(time.monotonic()):
+        if steps and time.monotonic() >= due:
+            due += pause
             try:
-                if means is Means.ASK:
-                    ask()
-                else:
-                    processes.signal(Signals[means.value])
+                steps.pop(0)()
             except (MsmaError, OSError):
-                continue  # the next step will do
+                pass  # the next step will do
             except Exception as error:
                 failed = failed or error
         for one in processes.ended():

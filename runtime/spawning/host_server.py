@@ -22,7 +22,7 @@ import yaml
 
 from plant.errors import MsmaError
 from runtime.config.deployment import ProcessSpec, load
-from runtime.spawning.escalation import FORCE, Escalation, end_all
+from runtime.spawning.escalation import end_all
 from runtime.spawning.local import LocalProcesses, ProcessExit
 from runtime.spawning.registry import RegisteredRun, forget, register
 from runtime.tls.key_files import KEYS, write_files
@@ -38,45 +38,42 @@ def serve(*, stays: bool) -> int:
         stays: Whether to stay with the processes until they end when standard input closes;
             otherwise it ends then, and so do they.
     """
+    signal.signal(signal.SIGHUP, signal.SIG_IGN)
     server = _HostServer()
+    signal.signal(signal.SIGTERM, lambda *_: server.end())
+    pending = b""
     try:
-        return _serve(server, stays)
+        while not server.ended:
+            server.report_exits()
+            if not select.select([sys.stdin], [], [], _TURN)[0]:
+                continue
+            data = os.read(sys.stdin.fileno(), 1 << 16)
+            if not data:
+                break
+            *lines, pending = (pending + data).split(b"\n")
+            for line in lines:
+                server.carry_out(json.loads(line))
+        while stays and server.processes and not server.ended:
+            server.report_exits()
+            time.sleep(_TURN)
     finally:
         server.forget()
-
-
-def _serve(server: "_HostServer", stays: bool) -> int:
-    signal.signal(signal.SIGHUP, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, lambda *_: server.end())
-    waiting = b""
-    while True:
-        server.look()
-        if server.ended:
-            return 0
-        if not select.select([sys.stdin], [], [], _TURN)[0]:
-            continue
-        data = os.read(sys.stdin.fileno(), 1 << 16)
-        if not data:
-            break
-        *lines, waiting = (waiting + data).split(b"\n")
-        for line in lines:
-            server.carry_out(json.loads(line))
-    while stays and server.processes and not server.ended:
-        server.look()
-        time.sleep(_TURN)
     return 0
 
 
 class _HostServer:
-    """The processes of this host, and their folder."""
+    """The processes of this host, and their folder, which `begin` names."""
 
     def __init__(self) -> None:
-        self.processes: LocalProcesses | None = None
+        self.processes = LocalProcesses(Path())
         self.ended = False
-        self._run = Path()
         self._robot = ""
         self._own_folder = False
         self._number = 0  # of the request that is carried out
+
+    @property
+    def _run(self) -> Path:
+        return self.processes.run
 
     def carry_out(self, request: Mapping[str, Any]) -> None:
         """Carry out a request, or answer why it is refused."""
@@ -87,19 +84,17 @@ class _HostServer:
         except (MsmaError, OSError) as error:
             self._answer("refused", why=str(error))
 
-    def look(self) -> None:
+    def report_exits(self) -> None:
         """Report the processes that have ended."""
-        for one in self.processes.ended() if self.processes is not None else ():
-            self._say_ended(one)
+        for one in self.processes.ended():
+            self._report_exit(one)
 
-    def _say_ended(self, one: ProcessExit) -> None:
+    def _report_exit(self, one: ProcessExit) -> None:
         self._say("ended", role=one.role, pid=one.pid, code=one.code, said_last=one.said)
 
     def end(self) -> None:
         """End all processes, by force in the end."""
-        if self.processes is not None:
-            escalation = Escalation(time.monotonic(), FORCE)
-            end_all(self.processes, escalation, ended=self._say_ended)
+        end_all(self.processes, ended=self._report_exit)
         self.ended = True
 
     def forget(self) -> None:
@@ -112,7 +107,7 @@ class _HostServer:
         self, run: str, deployment: str | None = None, keys: Mapping[str, str] | None = None
     ) -> None:
         """Use the run's folder; with a deployment create it, with files to delete at the end."""
-        self._run = Path(run).absolute()
+        self.processes.run = Path(run).absolute()
         if deployment is not None:
             self._run.mkdir(parents=True)
             self._own_folder = True
@@ -125,31 +120,22 @@ class _HostServer:
             loaded = load(file)
             self._robot = loaded.robot
             register(RegisteredRun.of(loaded, self._run))
-        self.processes = LocalProcesses(self._run)
         self._answer("began")
 
     def _start(self, processes: list[tuple[str, str, bool]]) -> None:
-        assert self.processes is not None
         self.processes.start(ProcessSpec(*one) for one in processes)
-        roles = dict.fromkeys(role for role, _, _ in processes)
-        self._answer("started", pids=[(role, pid) for role in roles for pid in self._pids(role)])
+        self._answer("started", pids=self.processes.pids)
 
     def _take_keys(self, keys: Mapping[str, str]) -> None:
         if keys:
             write_files(self._run / KEYS, keys)
 
     def _revive(self, role: str, home: str, copy: bool, keys: Mapping[str, str]) -> None:
-        assert self.processes is not None
         self._take_keys(keys)
         self._answer("started", pids=[(role, self.processes.revive(role, home, copy=copy))])
 
-    def _pids(self, role: str) -> list[int]:
-        assert self.processes is not None
-        return self.processes.pids(role)
-
     def _signal(self, signal: int, role: str | None, pid: int | None) -> None:
         """Send a signal to a process, if it is still there; without a role to all."""
-        assert self.processes is not None
         if role is None:
             self.processes.signal(Signals(signal))
         elif pid is not None:
@@ -157,7 +143,6 @@ class _HostServer:
 
     def _bring(self) -> None:
         """Send what was written, and leave nothing."""
-        assert self.processes is not None
         self.processes.tidy()
         self.forget()
         for path in sorted(self._run.iterdir()):

@@ -101,14 +101,16 @@ class LocalProcesses:
         self._living.append((task, child))
         return child
 
-    def pids(self, role: str) -> list[int]:
-        """Return the ids of a role's processes, the one that was started last at the end."""
-        return [child.pid for task, child in self._living if task.role == role]
+    @property
+    def pids(self) -> list[tuple[str, int]]:
+        """Role and id of each process that was started here and lives, the newest last."""
+        return [(task.role, child.pid) for task, child in self._living]
 
     def obeyed(self, role: str) -> list[int]:
         """Return the id of a role's process, of copies that of the one obeyed; none if none is."""
         obeyed = obeyed_in(self.run, role)
-        return self.pids(role)[-1:] if obeyed is None else [obeyed.pid]
+        started = [pid for one, pid in self.pids if one == role]
+        return started[-1:] if obeyed is None else [obeyed.pid]
 
     def send(self, role: str, pid: int, number: signal.Signals) -> None:
         """Send a signal to one of a role's processes, if it is still there.

@@ -5,7 +5,6 @@ another user may have put a process there.
 """
 
 import fcntl
-import json
 import os
 import pwd
 import tempfile
@@ -13,8 +12,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, Self
+from typing import TYPE_CHECKING, Self
 from zlib import crc32
+
+import msgspec
 
 from runtime.errors import RunError
 from runtime.processes.log_writer import new_run_folder
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
     from runtime.config.deployment import Deployment  # tools that need not read one start sooner
 
 
-class RegisteredRun(NamedTuple):
+class RegisteredRun(msgspec.Struct, frozen=True):
     """A run that this user has started.
 
     Attributes:
@@ -105,11 +106,10 @@ def runs_of(robot: str | None = None) -> list[RegisteredRun]:
 
 def why_not(robot: str) -> str:
     """Return why none of a robot's runs can be trusted, for people."""
-    found = [(run, why) for run in _all_runs(robot) if (why := run.distrust())]
-    if not found:
-        return f"this user has started no run of {robot} here"
-    run, why = found[0]
-    return f"{why}, so {run.deployment} is not trusted"
+    for run in _all_runs(robot):
+        if why := run.distrust():
+            return f"{why}, so {run.deployment} is not trusted"
+    return f"this user has started no run of {robot} here"
 
 
 def _all_runs(robot: str | None) -> list[RegisteredRun]:
@@ -120,8 +120,7 @@ def _all_runs(robot: str | None) -> list[RegisteredRun]:
     found = []
     for file in files:
         run = _read(file)
-        there = run is not None and run.deployment.exists()
-        if run is not None and there and (run.distrust() is not None or run.lives()):
+        if run and run.deployment.exists() and (run.distrust() or run.lives()):
             found.append(run)
         else:
             file.unlink(missing_ok=True)
@@ -130,22 +129,21 @@ def _all_runs(robot: str | None) -> list[RegisteredRun]:
 
 def _read(file: Path) -> RegisteredRun | None:
     try:
-        plain: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
-        folder, modules = Path(plain["folder"]), Path(plain["modules"])
-        process = ProcessId(*plain["process"])
-        more = plain["port"], modules, plain["plain"], process
-        return RegisteredRun(plain["robot"], folder, *more)
-    except (OSError, ValueError, KeyError, TypeError):
+        return msgspec.json.decode(file.read_bytes(), type=RegisteredRun, dec_hook=_path)
+    except (OSError, ValueError):
         return None
+
+
+def _path(kind: type, text: str) -> Path:
+    return Path(text)
 
 
 def register(run: RegisteredRun) -> None:
     """Note a run; if that cannot be, tools find it by its file only."""
-    plain = run._asdict() | {"folder": str(run.folder), "modules": str(run.modules)}
     with suppress(OSError, RunError):
         file = _file(run.robot, run.folder, run.process.pid)
         new = file.with_suffix(".new")
-        new.write_text(json.dumps(plain), encoding="utf-8")
+        new.write_bytes(msgspec.json.encode(run, enc_hook=str))
         new.replace(file)
 
 

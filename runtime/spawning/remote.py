@@ -1,4 +1,4 @@
-"""The processes of a run on several hosts, each controlled by lines of JSON: see `share.py`."""
+"""The processes of a run on several hosts, each served by `host_server.py`."""
 
 import base64
 import itertools
@@ -14,7 +14,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from runtime.config.deployment import ProcessSpec, load
+from runtime.config.deployment import Deployment, ProcessSpec, load
 from runtime.errors import RunError
 from runtime.spawning.local import ProcessExit
 from runtime.spawning.tasks import LOST
@@ -133,13 +133,11 @@ class _Host:
 
     def complaint(self) -> str:
         """Return the last line of its error output, as the reason why it is gone."""
-        with suppress(OSError):
+        with suppress(OSError, StopIteration):
             lines = self._out.read_text(encoding="utf-8", errors="replace").split("\n")
             found = (line.strip() for line in reversed(lines))
-            # `unshare` prints that alone if the process in it is killed
-            return next(
-                (line for line in found if line and "sigprocmask" not in line), "it is gone"
-            )
+            # `unshare` prints "sigprocmask" alone if the process in it is killed
+            return next(line for line in found if line and "sigprocmask" not in line)
         return "it is gone"
 
 
@@ -167,35 +165,35 @@ class RemoteProcesses:
 
     def start(self, processes: Iterable[ProcessSpec]) -> None:
         """Start some processes, on all hosts at once; `RunError` if one cannot."""
-        asked: list[tuple[_Host, int]] = []
-        for host in self._hosts.values():
-            run, more = str(self._run), {}
-            if self._away:  # two hosts may be one machine
-                run, more = f"runs/{host.name}/{self._run.name}", self._luggage(host.name)
-            asked.append((host, host.request("begin", run=run, **more)))
-        for host, number in asked:
-            host.answer(number)
+        begin: dict[str, object] = {"do": "begin", "run": str(self._run)}
+        self._request_all(
+            {name: begin | (self._own_folder(name) if self._away else {}) for name in self._hosts}
+        )
         shares: dict[str, list[ProcessSpec]] = {}
         for one in processes:
             shares.setdefault(one.host, []).append(one)
-        asked = [
-            (self._hosts[name], self._hosts[name].request("start", processes=share))
-            for name, share in shares.items()
-        ]
-        for host, number in asked:
-            host.answer(number)
+        self._request_all(
+            {name: {"do": "start", "processes": share} for name, share in shares.items()}
+        )
 
-    def _luggage(self, host: str) -> dict[str, object]:
-        """Return what a host with a folder of its own needs in it: the deployment, and its keys."""
-        deployment = load(self._run / "deployment.yaml", only_role=PLANT)
+    def _request_all(self, requests: Mapping[str, Mapping[str, Any]]) -> None:
+        """Send each host its request, and then wait for all answers."""
+        numbers = {name: self._hosts[name].request(**more) for name, more in requests.items()}
+        for name, number in numbers.items():
+            self._hosts[name].answer(number)
+
+    def _own_folder(self, host: str) -> dict[str, object]:
+        """Return what a host with a folder of its own needs: its name, the deployment, and keys."""
+        deployment = self._deployment()
         roles = [one.role for one in deployment.processes if one.host == host]
         text = (self._run / "deployment.yaml").read_text(encoding="utf-8")
         keys = read_files(deployment, roles)
-        return {"deployment": with_local_files(text) if keys else text, "keys": keys}
+        deployed = with_local_files(text) if keys else text
+        run = f"runs/{host}/{self._run.name}"  # two hosts may be one machine
+        return {"run": run, "deployment": deployed, "keys": keys}
 
-    def _keys(self, role: str) -> dict[str, str]:
-        """Return the keys of a role, for a host that may not have them."""
-        return read_files(load(self._run / "deployment.yaml", only_role=PLANT), [role])
+    def _deployment(self) -> Deployment:
+        return load(self._run / "deployment.yaml", only_role=PLANT)
 
     def revive(self, role: str, home: str) -> int:
         """Start one more process for a role, and return its id on its host; see `ProcessGroup`.
@@ -213,7 +211,7 @@ class RemoteProcesses:
             raise RunError("no host is left")
         host = self._hosts[living[0]]
         beside = living[0] != home or bool(self.obeyed(role))
-        keys = self._keys(role) if self._away else {}
+        keys = read_files(self._deployment(), [role]) if self._away else {}
         number = host.request("revive", role=role, home=living[0], copy=beside, keys=keys)
         pid: int = host.answer(number, timeout=_ANSWER)["pids"][0][1]
         return pid

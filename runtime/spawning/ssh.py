@@ -11,7 +11,6 @@ from runtime.config.tree import ConfigError
 from runtime.spawning.remote import out_of
 
 _OPTIONS = ("-T", "-o", "BatchMode=yes", "-o", "ConnectTimeout=5")
-_LEAVE = 2.0  # [s] for ssh to end
 
 
 @contextmanager
@@ -22,33 +21,18 @@ def connect(deployment: Deployment, run: Path) -> "Iterator[dict[str, subprocess
     """
     if shutil.which("ssh") is None:
         raise ConfigError("--ssh needs `ssh`, which is in the package openssh-client")
+    processes = {}
     with ExitStack() as stack:
-        yield {
-            name: stack.enter_context(_connected(name, deployment, run))
-            for name in dict.fromkeys(one.host for one in deployment.processes)
-        }
-
-
-@contextmanager
-def _connected(name: str, deployment: Deployment, run: Path) -> "Iterator[subprocess.Popen[bytes]]":
-    host = deployment.hosts[name]
-    with out_of(run, name).open("ab") as out:
-        process = subprocess.Popen(
-            ["ssh", *_OPTIONS, "--", host.ssh, f"{host.command} share {name}"],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=out,
-            start_new_session=True,  # Ctrl-C is for the launcher
-        )
-    try:
-        yield process
-    finally:
-        process.terminate()
-        try:
-            process.wait(_LEAVE)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
-        for pipe in (process.stdin, process.stdout):
-            if pipe is not None:
-                pipe.close()
+        for name in dict.fromkeys(one.host for one in deployment.processes):
+            host = deployment.hosts[name]
+            with out_of(run, name).open("ab") as out:
+                process = subprocess.Popen(
+                    ["ssh", *_OPTIONS, "--", host.ssh, f"{host.command} share {name}"],
+                    stdin=subprocess.PIPE,
+                    stdout=subprocess.PIPE,
+                    stderr=out,
+                    start_new_session=True,  # Ctrl-C is for the launcher
+                )
+            processes[name] = stack.enter_context(process)
+            stack.callback(process.terminate)
+        yield processes

@@ -77,13 +77,23 @@ def start(task: Task) -> ChildProcess:
 
 def spawn(module: str, arguments: Sequence[str], out: Path) -> "subprocess.Popen[bytes]":
     """Run a module of ours in a process that outlives this one, and writes to a file."""
-    path = os.pathsep.join(filter(None, (str(_SOURCES), os.environ.get("PYTHONPATH"))))
     with out.open("ab") as stream:
         return subprocess.Popen(
-            [sys.executable, "-P", "-m", module, *arguments],
+            python(module, *arguments),
             stdin=subprocess.DEVNULL,
             stdout=stream,
             stderr=subprocess.STDOUT,
             start_new_session=True,
-            env={**os.environ, "PYTHONPATH": path},
+            env=environment(),
         )
+
+
+def python(module: str, *arguments: str) -> list[str]:
+    """Return the command that runs a module of ours, in the environment that has it."""
+    return [sys.executable, "-P", "-m", module, *arguments]
+
+
+def environment() -> dict[str, str]:
+    """Return this process's environment, with our modules before all others."""
+    path = os.pathsep.join(filter(None, (str(_SOURCES), os.environ.get("PYTHONPATH"))))
+    return {**os.environ, "PYTHONPATH": path}

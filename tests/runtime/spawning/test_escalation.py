@@ -9,27 +9,9 @@ from signal import Signals
 import pytest
 
 from runtime.config.deployment import ProcessSpec
-from runtime.spawning.escalation import ALL_MEANS, FORCE, Escalation, Means, end_all
+from runtime.spawning.escalation import end_all
 from runtime.spawning.local import LocalProcesses, ProcessExit
 from tests.runtime.conftest import wait_for
-
-
-@pytest.mark.parametrize(
-    ("clock", "means"),
-    [
-        ([9.9], [[]]),
-        ([10.0, 10.5, 11.0, 11.9, 12.0, 99.0], [[0], [], [1], [], [2], []]),
-        ([10.0, 99.0], [[0], [1, 2]]),
-    ],
-    ids=["not yet", "one after another", "after a hang"],
-)
-def test_the_steps_are_due_one_after_another(clock: list[float], means: list[list[int]]) -> None:
-    escalation = Escalation(10.0, pause=1.0)
-    assert [escalation.due(now) for now in clock] == [[ALL_MEANS[i] for i in m] for m in means]
-
-
-def test_force_does_not_ask() -> None:
-    assert Escalation(0.0, FORCE, pause=0.0).due(0.0) == [Means.TERMINATE, Means.KILL]
 
 
 class Unwilling:
@@ -63,19 +45,67 @@ class Unwilling:
     def tidy(self) -> None: ...
 
 
+class MadeUpTime:
+    """A clock that only sleeping moves on."""
+
+    def __init__(self) -> None:
+        self.now = 10.0
+
+    def monotonic(self) -> float:
+        return self.now
+
+    def sleep(self, seconds: float) -> None:
+        self.now += seconds
+
+
+@pytest.fixture
+def clock(monkeypatch: pytest.MonkeyPatch) -> MadeUpTime:
+    clock = MadeUpTime()
+    monkeypatch.setattr("runtime.spawning.escalation.time", clock)
+    return clock
+
+
+@pytest.mark.parametrize(
+    ("after", "hang", "times"),
+    [
+        (0.0, 0.0, [10.0, 11.0, 12.0]),
+        (5.0, 0.0, [15.0, 16.0, 17.0]),
+        (0.0, 9.0, [10.0, 19.0, 19.0]),
+    ],
+    ids=["at once", "after some time", "after a hang"],
+)
+def test_the_steps_are_tried_one_after_another(
+    clock: MadeUpTime, after: float, hang: float, times: list[float]
+) -> None:
+    tried: list[tuple[str, float]] = []
+
+    class Timed(Unwilling):
+        def signal(self, number: Signals) -> None:
+            super().signal(number)
+            tried.append((number.name, clock.now))
+
+    def ask() -> None:
+        tried.append(("asked", clock.now))
+        clock.now += hang
+
+    end_all(Timed(), after=after, pause=1.0, ask=ask)
+    assert [step for step, _ in tried] == ["asked", "SIGTERM", "SIGKILL"]
+    assert [at for _, at in tried] == pytest.approx(times, abs=0.05)
+
+
 def test_a_step_that_fails_does_not_keep_the_next_from_being_tried() -> None:
     def ask() -> None:
         raise ConnectionError("the bus is closed")
 
     group = Unwilling(ProcessLookupError())
-    end_all(group, Escalation(0.0, pause=0.0), ask=ask)
+    end_all(group, pause=0.0, ask=ask)
     assert group.got == [signal.SIGTERM, signal.SIGKILL]
 
 
 def test_an_error_of_ours_is_raised_once_all_processes_have_ended() -> None:
     group = Unwilling(ValueError("list.remove(x): x not in list"))
     with pytest.raises(ValueError, match="not in list"):
-        end_all(group, Escalation(0.0, pause=0.0))
+        end_all(group, pause=0.0)
     assert group.got == [signal.SIGTERM, signal.SIGKILL]
 
 
@@ -86,13 +116,13 @@ def test_all_are_ended_though_the_forkserver_and_one_of_them_are_gone(
     os.mkfifo(tmp_path / "deployment.yaml")  # each waits for who writes into it
     children = LocalProcesses(tmp_path)
     children.start([ProcessSpec("joint/1", "here"), ProcessSpec("joint/2", "here")])
-    (first,), (second,) = children.pids("joint/1"), children.pids("joint/2")
+    first, second = (pid for _, pid in children.pids)
     forkserver = int(Path(f"/proc/{first}/stat").read_text().rpartition(")")[2].split()[1])
     assert forkserver != os.getpid()
     os.kill(forkserver, signal.SIGKILL)
     os.kill(first, signal.SIGKILL)  # nobody keeps its id until its end was asked for
     wait_for(lambda: not Path(f"/proc/{first}").exists(), "its end")
     exits: list[ProcessExit] = []
-    end_all(children, Escalation(0.0, FORCE, pause=0.2), ended=exits.append)
+    end_all(children, pause=0.2, ended=exits.append)
     children.tidy()
     assert {one.pid for one in exits} == {first, second}

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
+import msgspec
 import pytest
 
 from runtime.config.deployment import Deployment, load
@@ -64,7 +65,8 @@ def test_a_run_is_found_by_its_robot_s_name_until_it_is_forgotten(deployment: De
 def test_a_run_of_which_nothing_lives_is_forgotten(deployment: Deployment) -> None:
     _, folder = begin_run(deployment)
     forget("arph", folder)
-    dead = RegisteredRun.of(deployment, folder)._replace(process=ProcessId(os.getpid(), 1e9))
+    run = RegisteredRun.of(deployment, folder)
+    dead = msgspec.structs.replace(run, process=ProcessId(os.getpid(), 1e9))
     register(dead)
     assert runs_of() == []
     assert list(registry.registry().glob("*.json")) == []
@@ -75,7 +77,8 @@ def test_a_run_goes_on_without_its_launcher_while_a_process_of_it_lives(
 ) -> None:
     _, folder = begin_run(deployment)
     forget("arph", folder)
-    dead = RegisteredRun.of(deployment, folder)._replace(process=ProcessId(os.getpid(), 1e9))
+    run = RegisteredRun.of(deployment, folder)
+    dead = msgspec.structs.replace(run, process=ProcessId(os.getpid(), 1e9))
     line = {"event": "start", **start_line("joint/1", "arph", folder)}
     (folder / "joint-1.jsonl").write_text(json.dumps(line) + "\n")
     register(dead)
