@@ -54,8 +54,7 @@ def test_a_standby_takes_over_within_the_hold_time(robot: Robot, number: signal.
     options = ("--set", "agents.joint/1.copies=2", "--set", "plant.hold=2s")
     launcher = robot.launch("--duration", "10min", *options)
     robot.until(1.0)
-    shown = robot.tool("status").stdout
-    assert shown.count("joint/1 ") == 2, shown
+    wait_for(lambda: robot.tool("status").stdout.count("joint/1 ") == 2, "status to show both")
     obeyed = obeyed_in(robot.run_folder, "joint/1")
     assert obeyed is not None
     former, began = _obeyed(robot), time.time()

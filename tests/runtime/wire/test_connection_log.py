@@ -284,7 +284,7 @@ def test_all_tools_work_by_the_operator_s_certificate(robot: Robot, tmp_path: Pa
     assert [line.split()[0] for line in status.splitlines()[2 : 2 + len(ROLES)]] == ROLES
     refused = [line for line in status.splitlines() if REJECTED_CONNECTIONS in line]
     assert [line for line in refused if not NOT_TLS.search(line)] == []
-    assert "runs already" in msma("doctor").stdout
+    wait_for(lambda: "runs already" in msma("doctor").stdout, "the doctor to find it")
     said = robot.tool("status")  # without the file: this user has started the run
     assert said.returncode == 0, said.stderr
     assert msma("stop").returncode == 0
