@@ -29,16 +29,19 @@ _MOST_WAITING = 100_000  # lines that wait for a disk that hangs
 
 def numbered_parts(log: Path) -> dict[int, Path]:
     """Return the older files of a log, ROLE.0.jsonl, ROLE.1.jsonl and so on, the oldest first."""
-    found = {}
-    for part in log.parent.glob(f"{log.stem}.*.jsonl"):
-        number = part.name.removeprefix(f"{log.stem}.").removesuffix(".jsonl")
-        if number.isdigit():
-            found[int(number)] = part
-    return dict(sorted(found.items()))
+    parts = ((part.name.split(".")[-2], part) for part in log.parent.glob(f"{log.stem}.*.jsonl"))
+    return dict(sorted((int(number), part) for number, part in parts if number.isdigit()))
 
 
 class LogError(MsmaError, OSError):
     """A log that cannot be written; the message names the file and says why."""
+
+    def __init__(self, path: Path, error: OSError) -> None:
+        why = error.strerror or str(error)
+        super().__init__(
+            f"the log {path} cannot be written: {why}; `runs` of the deployment file, or "
+            "`--run` of a single process, gives another folder"
+        )
 
 
 class LogWriter:
@@ -57,17 +60,18 @@ class LogWriter:
             folder.mkdir(parents=True, exist_ok=True)
             self._file = self._opened()
         except OSError as error:
-            raise _unwritable(self.path, error) from None
+            raise LogError(self.path, error) from None
         self._complained = False
-        self._lines: deque[str | threading.Event] = deque()
+        self._lines: deque[str] = deque()
         self._lost = 0
+        self._flushes: deque[threading.Event] = deque()
         self._wake = threading.Event()
         self._closing = False
         self._thread: threading.Thread | None = None
 
     def write(self, t: float, event: str, **more: Any) -> None:
         """Note an event at plant time `t` [s]; with a `wall` if it was not just now."""
-        self.line(json.dumps({"wall": round(time.time(), 6), "t": t, "event": event, **more}))
+        self.line(_line(t, event, **more))
 
     def line(self, line: str) -> None:
         """Note a line that is JSON already."""
@@ -86,7 +90,7 @@ class LogWriter:
         if self._thread is None:
             return True
         written = threading.Event()
-        self._lines.append(written)
+        self._flushes.append(written)
         self._wake.set()
         return written.wait(patience)
 
@@ -94,35 +98,32 @@ class LogWriter:
         """Write the rest and close the file; do not wait for a disk that hangs."""
         if self._thread is not None:
             self.flush()
-            self._closing = True
-            self._wake.set()
         elif not self._closing:
-            self._closing = True
             os.close(self._file)
+        self._closing = True
+        self._wake.set()
 
     def _run(self) -> None:
         while not self._closing or self._lines:
             self._wake.wait(_PAUSE)
             self._wake.clear()
-            self._write()
+            flushes = [self._flushes.popleft() for _ in range(len(self._flushes))]
+            self._write([self._lines.popleft() for _ in range(len(self._lines))])
+            for written in flushes:
+                written.set()
         os.close(self._file)
 
-    def _write(self) -> None:
-        """Write what waits; say once that this fails: a full disk stops nobody."""
-        waiting = [self._lines.popleft() for _ in range(len(self._lines))]
-        lines = [line for line in waiting if isinstance(line, str)]
+    def _write(self, lines: list[str]) -> None:
+        """Write lines; say once that this fails: a full disk stops nobody."""
         if self._lost:
-            lines.append(_line("lost", lines=self._lost, why="the disk hung"))
+            lines.append(_line(0.0, "lost", lines=self._lost, why="the disk hung"))
             self._lost = 0
         try:
             self._append("".join(f"{line}\n" for line in lines).encode())
         except OSError as error:
             if not self._complained:
-                print(_unwritable(self.path, error), file=sys.stderr)
+                print(LogError(self.path, error), file=sys.stderr)
             self._complained = True
-        for written in waiting:
-            if isinstance(written, threading.Event):
-                written.set()
 
     def _append(self, data: bytes) -> None:
         if not data:
@@ -154,32 +155,24 @@ class LogWriter:
             with old.open("rb") as whole, rest.open("ab") as kept:
                 kept.writelines(line for line in whole if TICK not in line)
                 why = f"it would take more than {self._most * _PARTS / 1e6:g} MB"
-                kept.write(f"{_line(DROPPED, why=why)}\n".encode())
+                kept.write(f"{_line(0.0, DROPPED, why=why)}\n".encode())
             old.unlink()
 
 
-def _line(event: str, **more: Any) -> str:
-    return json.dumps({"wall": round(time.time(), 6), "t": 0.0, "event": event, **more})
-
-
-def _unwritable(path: Path, error: OSError) -> LogError:
-    why = error.strerror or str(error)
-    return LogError(
-        f"the log {path} cannot be written: {why}; `runs` of the deployment file, or "
-        "`--run` of a single process, gives another folder"
-    )
+def _line(t: float, event: str, **more: Any) -> str:
+    return json.dumps({"wall": round(time.time(), 6), "t": t, "event": event, **more})
 
 
 def new_run_folder(runs: Path, robot: str) -> Path:
     """Make a folder for a new run of a robot, named by the time of day, and return it."""
     name = f"{robot}-{time.strftime('%Y%m%d-%H%M%S')}"
-    for number in count(1):
-        folder = runs / (name if number == 1 else f"{name}-{number}")
+    folder = runs / name
+    for number in count(2):
         try:
             folder.mkdir(parents=True)
+            break
         except FileExistsError:
-            continue
+            folder = runs / f"{name}-{number}"
         except OSError as error:
-            raise _unwritable(folder, error) from None
-        return folder
-    raise AssertionError("count never ends")
+            raise LogError(folder, error) from None
+    return folder

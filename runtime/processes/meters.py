@@ -1,6 +1,7 @@
 """Measurements of a process by itself, in constant memory and next to no time."""
 
 import math
+from collections import defaultdict
 from collections.abc import Mapping
 
 from runtime.wire.messages import Spread
@@ -43,8 +44,7 @@ class Rate:
     """The rate of something between two calls of `look`."""
 
     def __init__(self, now: float) -> None:
-        self._since = now
-        self._before = 0
+        self._since, self._before = now, 0
 
     def look(self, count: int, now: float) -> float:
         """Return the rate [Hz] since the last look; `now` is in seconds, on any clock."""
@@ -62,7 +62,7 @@ class AnswerTimes:
     def __init__(self) -> None:
         self._sent: dict[float, float] = {}  # time [s] of each state, by its plant time
         self._before: dict[float, float] = {}  # those of earlier states
-        self._durations: dict[str, Durations] = {}
+        self._durations = defaultdict[str, Durations](Durations)
 
     def sent(self, t: float, now: float) -> None:
         """Note that the state of plant time `t` [s] was published `now` [s]."""
@@ -74,10 +74,7 @@ class AnswerTimes:
         """Note that the answer of a role to the state of `t` [s] arrived `now` [s]."""
         sent = self._sent.get(t) or self._before.get(t)
         if sent is not None and now >= sent:
-            durations = self._durations.get(role)
-            if durations is None:
-                durations = self._durations[role] = Durations()
-            durations.add(now - sent)
+            self._durations[role].add(now - sent)
 
     def spreads(self) -> Mapping[str, Spread]:
         """Return the spread of each role's latency."""

@@ -2,7 +2,7 @@
 
 from collections import deque
 from collections.abc import Iterable, Mapping
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
@@ -10,14 +10,34 @@ from agents.agent import Array, Goal, Joints, Percepts
 from plant.robot import Robot
 from runtime.wire import topics
 from runtime.wire.arbitration import GoalInput, TopicInput
-from runtime.wire.messages import EndEffectorPose, JointStates, Message, PlatformPose
+from runtime.wire.messages import EndEffectorPose, JointStates, M, PlatformPose
 from runtime.wire.refusals import MessageError, Reason, Refusals
 from runtime.wire.samples import Sample
 from runtime.wire.topics import Topic
 
-S = TypeVar("S", EndEffectorPose, JointStates, PlatformPose)
 _KEPT = 6
 """How many of each kind are kept, to find those that belong together."""
+
+
+class _StateInput(TopicInput[M]):
+    """What arrives of one kind of state, the last few messages of it kept."""
+
+    def __init__(self, key: str, kind: type[M], *more: Any) -> None:
+        super().__init__(key, kind, *more)
+        self._kept: deque[M] = deque(maxlen=_KEPT)
+
+    def accept(self, data: bytes, now: float) -> M | None:
+        message = super().accept(data, now)
+        if message is not None:
+            self._kept.append(message)
+        return message
+
+    def at(self, moment: float, newest: M | None) -> M | None:
+        """Return the message of the newest's source at a moment [s]; the newest if none is kept."""
+        if newest is None or newest.t == moment:
+            return newest
+        same = (kept for kept in self._kept if kept.t == moment and kept.by == newest.by)
+        return next(same, newest)
 
 
 class Perception:
@@ -29,6 +49,7 @@ class Perception:
     Args:
         robot: The robot, whose number of joints the joint states must have.
         fresh: Age up to which a message is perceived [s].
+        refusals: Where refusals are counted.
         sensors: Topics of the robot's own sensors that are perceived.
 
     Attributes:
@@ -41,26 +62,20 @@ class Perception:
         n = robot.n
 
         def of_this_robot(states: JointStates) -> None:
-            if len(states.position) != n:
-                raise MessageError(
-                    Reason.WRONG_LENGTH, f"{len(states.position)} joints, and the robot has {n}"
-                )
+            if (got := len(states.position)) != n:
+                raise MessageError(Reason.WRONG_LENGTH, f"{got} joints, and the robot has {n}")
 
-        self._hand = TopicInput(topics.HAND, EndEffectorPose, fresh, refusals)
-        self._joints = TopicInput(topics.JOINTS, JointStates, fresh, refusals, of_this_robot)
-        self._base = TopicInput(topics.PLATFORM, PlatformPose, fresh, refusals)
+        self._hand = _StateInput(topics.HAND, EndEffectorPose, fresh, refusals)
+        self._joints = _StateInput(topics.JOINTS, JointStates, fresh, refusals, of_this_robot)
+        self._base = _StateInput(topics.PLATFORM, PlatformPose, fresh, refusals)
+        self._sensors = {
+            each.percept: TopicInput(each.key, each.message, each.fresh or fresh, refusals)
+            for each in sensors
+            if each.percept is not None
+        }
+        states: list[TopicInput[Any]] = [self._hand, self._joints, self._base]
+        self._inputs = {each.key: each for each in (*states, *self._sensors.values())}
         self._goal = GoalInput(fresh, refusals)
-        self._hands: deque[EndEffectorPose] = deque(maxlen=_KEPT)
-        self._states: deque[JointStates] = deque(maxlen=_KEPT)
-        self._bases: deque[PlatformPose] = deque(maxlen=_KEPT)
-        self._sensors: dict[str, TopicInput[Message]] = {}  # by key
-        self._names: dict[str, str] = {}
-        for topic in sensors:
-            if topic.percept is not None:
-                self._names[topic.key] = topic.percept
-                self._sensors[topic.key] = TopicInput(
-                    topic.key, topic.message, topic.fresh or fresh, refusals
-                )
         self._refusals = refusals
         self._goal_known: tuple[tuple[object, ...], Goal] | None = None
         self.t = 0.0
@@ -71,29 +86,18 @@ class Perception:
         The joint states do, which the plant publishes last of each moment; without them, the pose
         of the hand does.
         """
-        match arrival.key:
-            case topics.JOINTS:
-                return self._calls(self._keep(self._joints.accept(arrival.data, now), self._states))
-            case topics.HAND:
-                seen = self._keep(self._hand.accept(arrival.data, now), self._hands)
-                return self._joints.fresh(now) is None and self._calls(seen)
-            case topics.PLATFORM:
-                self._keep(self._base.accept(arrival.data, now), self._bases)
-            case topics.GOAL | topics.KNOWN_GOAL:
-                self._goal.accept(arrival.key, arrival.data, now)
-            case key if key in self._sensors:
-                self._sensors[key].accept(arrival.data, now)
-            case unknown:
-                self._refusals.count_unknown(unknown)
-        return False
-
-    def _keep(self, message: S | None, kept: deque[S]) -> S | None:
-        if message is not None:
-            kept.append(message)
-        return message
-
-    def _calls(self, message: EndEffectorPose | JointStates | None) -> bool:
-        if message is None:
+        key, data = arrival
+        source = self._inputs.get(key)
+        if source is None:
+            if key in (topics.GOAL, topics.KNOWN_GOAL):
+                self._goal.accept(key, data, now)
+            else:
+                self._refusals.count_unknown(key)
+            return False
+        message = source.accept(data, now)
+        if message is None or not (
+            source is self._joints or (source is self._hand and self._joints.fresh(now) is None)
+        ):
             return False
         self.t = message.t
         return True
@@ -107,9 +111,8 @@ class Perception:
         moments = [seen.t for seen in (hand, states, base) if seen is not None]
         t, moment = max(moments), min(moments)
         if t != moment:
-            hand = hand and _of(moment, hand, self._hands)
-            states = states and _of(moment, states, self._states)
-            base = base and _of(moment, base, self._bases)
+            hand, states = self._hand.at(moment, hand), self._joints.at(moment, states)
+            base = self._base.at(moment, base)
             t = max([seen.t for seen in (hand, states, base) if seen is not None])
         return Percepts(
             t,
@@ -122,11 +125,11 @@ class Perception:
 
     def _sensed(self, now: float) -> Mapping[str, Any]:
         """Return what is fresh of the robot's own sensors, by their names."""
-        latest = {self._names[key]: topic.fresh(now) for key, topic in self._sensors.items()}
-        return {name: each.percept() for name, each in latest.items() if each is not None}
+        latest = ((name, sensor.fresh(now)) for name, sensor in self._sensors.items())
+        return {name: message.percept() for name, message in latest if message is not None}
 
     def _goal_in_force(self, now: float) -> Goal | None:
-        """A goal does not go stale: it stands still from its `until` on."""
+        """Return the goal, made anew only when its message says something new."""
         message = self._goal.selected(now)
         if message is None:
             return None
@@ -141,13 +144,3 @@ class Perception:
 def _array(numbers: tuple[float | None, ...]) -> Array:
     """Return numbers as agents get them, with NaN for what is lost."""
     return np.array(numbers, dtype=np.float64)
-
-
-def _of(moment: float, newest: S, kept: deque[S]) -> S:
-    """Return the message of the same source at a moment [s], or the newest if it is not kept."""
-    if newest.t == moment:
-        return newest
-    for message in kept:
-        if message.t == moment and message.by == newest.by:
-            return message
-    return newest

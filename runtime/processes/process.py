@@ -10,8 +10,8 @@ import threading
 import time
 import traceback
 from contextlib import ExitStack
+from itertools import count
 from pathlib import Path
-from types import TracebackType
 from typing import Self
 
 from plant.robot import Robot
@@ -27,7 +27,7 @@ from runtime.spawning.identity import start_line
 from runtime.wire import topics
 from runtime.wire.bus import Bus, BusError
 from runtime.wire.mesh import FIRST_COPY, SLOTS, Endpoints
-from runtime.wire.messages import Diag, stamped
+from runtime.wire.messages import Diag, pack
 from runtime.wire.refusals import Refusals
 from runtime.wire.zenoh_internals.connection_log import ConnectionLog
 from runtime.wire.zenoh_internals.linger import disable_linger
@@ -46,13 +46,7 @@ class Process(Context):
         life: Says when it has no more reason to go on; None if its node decides alone.
     """
 
-    def __init__(
-        self,
-        deployment: Deployment,
-        member: ProcessSpec,
-        file: Path,
-        run: Path,
-    ) -> None:
+    def __init__(self, deployment: Deployment, member: ProcessSpec, file: Path, run: Path) -> None:
         sys.setswitchinterval(0.0001)  # [s], or a busy thread makes the loop wait 5 ms
         self.deployment, self.role = deployment, member.role
         self.file, self.run = file.absolute(), run.absolute()
@@ -65,17 +59,14 @@ class Process(Context):
             self.life = self._lifetime(PlantClock(time.monotonic()))
         self._rate = 0.0
         self._scheduled = ""  # what `status` is to add
-        self._n = 0
+        self._diags = count(1)
         self._strangers: ConnectionLog | None = None
         with ExitStack() as stack:
             if deployment.credentials(self.role):
-                self._strangers = stack.enter_context(
-                    ConnectionLog(self.refusals, self._note_joined)
-                )
+                log = ConnectionLog(self.refusals, self._note_joined)
+                self._strangers = stack.enter_context(log)
             self._realtime = self._set_scheduling()  # the threads of the bus inherit it
-            self.bus = stack.enter_context(
-                _join(deployment, member, random.SystemRandom().getrandbits(63))
-            )
+            self.bus = stack.enter_context(_join(deployment, member))
             confine_realtime()
             self.log = LogWriter(self.run, self.role, deployment.log_megabytes)
             self._stack = stack.pop_all()
@@ -106,12 +97,7 @@ class Process(Context):
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._stack.close()
         self.log.close()
 
@@ -125,7 +111,7 @@ class Process(Context):
         self.log.write(self.t, "start", **started, by=by, scheduling=scheduling)
         self.log.flush()
         self.bus.answer(topics.stop(self.role), self._stop)
-        self.bus.answer(topics.diag(self.role), lambda _: self._diag_bytes(node))
+        self.bus.answer(topics.diag(self.role), lambda _: pack(self.diag(node)))
         self.bus.announce(self.role)
         watchdog = threading.Thread(target=self._watch, args=(node,), name="watchdog")
         watchdog.start()
@@ -191,6 +177,8 @@ class Process(Context):
     def diag(self, node: Node) -> Diag:
         """Return how it is."""
         return Diag(
+            by=self.bus.incarnation,
+            n=next(self._diags),
             t=self.t,
             role=self.role,
             host=socket.gethostname(),
@@ -207,10 +195,6 @@ class Process(Context):
             clock=time.time_ns() // 1000,
         )
 
-    def _diag_bytes(self, node: Node) -> bytes:
-        self._n += 1
-        return stamped(self.diag(node), self.bus.incarnation, self._n)
-
     def _stop(self, _: bytes) -> bytes:
         self.ending.ask("asked to stop")
         return b"ok"
@@ -222,13 +206,14 @@ class Process(Context):
         self.log.write(self.t, "refused", key=key, reason=reason, detail=detail)
 
 
-def _join(deployment: Deployment, member: ProcessSpec, incarnation: int) -> Bus:
+def _join(deployment: Deployment, member: ProcessSpec) -> Bus:
     """Return the bus as the process joins it in its slot; `BusError` if that is taken.
 
     A copy takes the first free one of the slots for copies.
     """
     mesh, role = deployment.mesh, member.role
     credentials = deployment.credentials(role)
+    incarnation = random.SystemRandom().getrandbits(63)
 
     def take(place: Endpoints) -> Bus:
         return Bus(deployment.robot, role, place, incarnation, credentials)

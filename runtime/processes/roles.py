@@ -31,20 +31,7 @@ def preload(role: str | None = None) -> None:
 
 
 def live(deployment: Deployment, member: ProcessSpec, file: Path, run: Path) -> int:
-    """Be that process until its end.
-
-    Args:
-        deployment: What the process is a part of.
-        member: Which process.
-        file: Where the deployment was read from.
-        run: The folder of the run, for the log.
-
-    Returns:
-        The exit code.
-
-    Raises:
-        MsmaError: The process cannot start.
-    """
+    """Be that process until its end, and return the exit code; `MsmaError` if it cannot start."""
     if member.copy and member.role == topics.PLANT:
         raise MsmaError("the plant is the robot: there can be no copy of it")
     with Process(deployment, member, file, run) as process:

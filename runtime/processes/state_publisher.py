@@ -1,14 +1,12 @@
 """What leaves the plant's process: readings and the last goal to the network, motion to the log."""
 
-import json
 import math
 import time
 from collections.abc import Iterable, Sequence
-from typing import Any
 
 from plant import scalar
 from plant.plant import Readings, Sensor, Truth
-from plant.robot import Robot, Row, numbers
+from plant.robot import Robot, numbers
 from runtime.wire import topics
 from runtime.wire.arbitration import TopicInput
 from runtime.wire.bus import Bus, Publisher, send_together
@@ -58,9 +56,8 @@ class StatePublisher:
         for percept, publisher, message in self._own:
             if (reading := sensors.get(percept)) is not None:
                 messages.append((publisher, message.of(t, reading)))
-        messages.append(
-            (self._joints, JointStates(t, nil_for_nan(numbers(q)), nil_for_nan(numbers(qd))))
-        )
+        states = JointStates(t, nil_for_nan(numbers(q)), nil_for_nan(numbers(qd)))
+        messages.append((self._joints, states))
         send_together(messages)
 
 
@@ -112,7 +109,7 @@ class MotionLog:
 
         Args:
             truth: Of one robot.
-            ages: How old the command in force of each motor is [s]; None where there is none.
+            ages: Of the command in force of each motor [s]; None where there is none.
         """
         return self._line % (
             time.time(),
@@ -127,19 +124,8 @@ class MotionLog:
 
     def of_readings(self, readings: Readings, ages: Sequence[float | None]) -> str:
         """Return the same line of what the sensors measured, with null for what they did not."""
-        line = {"wall": time.time(), "t": readings.t, "event": "tick"}
-        rows: dict[str, Iterable[float | None]] = {
-            "hand": _plain(readings.position, 3),
-            "q": _plain(readings.q),
-            "qd": _plain(readings.qd),
-            "base": _plain((0.0, 0.0, 0.0) if readings.base is None else readings.base),
-            "base_velocity": _plain(None, 2),
-            "age": ages,
-        }
-        return json.dumps(line | {name: list(row) for name, row in rows.items()})
-
-
-def _plain(row: Row | None, missing: int = 0) -> list[Any]:
-    if row is None:
-        return [None] * missing
-    return list(nil_for_nan(numbers(row)))
+        t, q, qd, position, _, base, _ = readings
+        base, velocity = (0.0,) * 3 if base is None else numbers(base), (math.nan,) * 2
+        hand = (math.nan,) * 3 if position is None else numbers(position)
+        measured = Truth(t, numbers(q), numbers(qd), base, velocity, hand, rotation=())
+        return self.of_truth(measured, ages).replace("nan", "null")
