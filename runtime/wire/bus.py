@@ -8,7 +8,6 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from queue import Empty, SimpleQueue
-from types import TracebackType
 from typing import NamedTuple, Self
 
 import zenoh
@@ -135,12 +134,7 @@ class Bus:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def close(self) -> None:
@@ -151,13 +145,7 @@ class Bus:
         self._session.close()  # type: ignore[no-untyped-call] # an omission in zenoh's stubs
 
     def publisher(self, key: str, topic: Topic | None = None) -> Publisher:
-        """Return what publishes on `key`.
-
-        Args:
-            key: One key, without wildcards.
-            topic: Its row of the contract, which says how it is sent; by default that of the
-                standard contract.
-        """
+        """Return what publishes on `key`, in the way that its topic says or the standard one."""
         topic = topic or topics.STANDARD.topic_of(key)
         urgent, express = (topic.urgent, topic.express) if topic else (True, True)
         publisher = self._session.declare_publisher(
@@ -177,8 +165,7 @@ class Bus:
     def sample_queue(self, *expressions: str, depth: int = 4096) -> SampleQueue:
         """Return what comes on some key expressions, the last `depth` messages of it.
 
-        It is put there by the thread that receives it, without another one in between: that
-        saves a change of threads for each message, and `put` never waits.
+        The thread that receives a message puts it there: that saves a change of threads.
         """
         sample_queue = SampleQueue(depth)
         for expression in expressions:
@@ -228,8 +215,7 @@ class Bus:
         def get(handler: "Callback[zenoh.Reply]") -> None:
             self._session.liveliness().get(topics.EVERYBODY_ALIVE, handler, timeout=timeout)
 
-        replies = _replies(get, timeout)
-        return [str(reply.ok.key_expr) for reply in replies if reply.ok is not None]
+        return [str(reply.ok.key_expr) for reply in _replies(get, timeout) if reply.ok is not None]
 
     def answer(self, key: str, reply: Callable[[bytes], bytes]) -> None:
         """Answer each query on `key` by what `reply` returns, or by its error's message."""
@@ -269,14 +255,10 @@ class Bus:
 def _replies(
     get: "Callable[[Callback[zenoh.Reply]], None]", timeout: float
 ) -> Iterator[zenoh.Reply]:
-    """Yield the replies to a query until all are in, or hardly longer than `timeout` [s].
+    """Yield the replies to what `get` queries until all are in, or hardly longer than `timeout`.
 
     Zenoh itself should time out. But it does so in the thread that does all of its work, so not
     while that one is blocked, such as by far too many peers.
-
-    Args:
-        get: Sends the query, given a handler for replies.
-        timeout: Time to wait [s].
     """
     replies: SimpleQueue[zenoh.Reply | None] = SimpleQueue()
     get(direct_callback(replies.put, drop=lambda: replies.put(None)))
@@ -293,11 +275,12 @@ def _why(robot: str | None, role: str, place: Endpoints, error: str) -> str:
             f"{role} of {robot} runs on another machine: this one does not have address {host}. "
             f"`msma launch` starts a host's share by `--host`, and all hosts' by `--ssh`"
         )
+    what = f"{role} cannot join the bus of {robot}"
     if "in use" not in error:
-        return f"{role} cannot join the bus of {robot}: {error}"
+        return f"{what}: {error}"
     return (
-        f"{role} cannot join the bus of {robot}: port {port} of {host} is taken. Perhaps "
-        f"{role} runs already (see `msma status --robot {robot}`): stop it first with `msma stop`, "
-        f"or start this one beside it with `--copy`. If another program has the port, set `port` "
-        f"in the deployment file, or name the robot otherwise"
+        f"{what}: port {port} of {host} is taken. Perhaps {role} runs already (see `msma status "
+        f"--robot {robot}`): stop it first with `msma stop`, or start this one beside it with "
+        f"`--copy`. If another program has the port, set `port` in the deployment file, or name "
+        f"the robot otherwise"
     )

@@ -13,13 +13,7 @@ import msgspec
 from msgspec import Meta
 
 from plant.plant import Sensor
-from runtime.wire.messages import (
-    MOST_NUMBERS,
-    Message,
-    Number,
-    check_printable,
-    nil_for_nan,
-)
+from runtime.wire.messages import MOST_NUMBERS, Message, Number, check_printable, nil_for_nan
 from runtime.wire.topics import PLANT, ContractError, Topic
 
 _TAKEN = ("t", "by", "n")
@@ -31,11 +25,12 @@ class ReadingMessage(Message, frozen=True, gc=False):
     """The message of a reading; `message_of` makes one class for each type of reading."""
 
     reading: ClassVar[type]
+    names: ClassVar[tuple[str, ...]]
 
     @classmethod
     def of(cls, t: float, reading: Any) -> Self:
         """Return the message that says this reading at plant time `t` [s]."""
-        return cls(t, *(_lost_as_nil(getattr(reading, name)) for name in _names(cls.reading)))
+        return cls(t, *(_lost_as_nil(getattr(reading, name)) for name in cls.names))
 
     def check(self) -> None:
         """Refuse texts that could play tricks on a terminal."""
@@ -46,7 +41,7 @@ class ReadingMessage(Message, frozen=True, gc=False):
         return self.reading(*map(_nil_as_lost, self._values()))
 
     def _values(self) -> tuple[Any, ...]:
-        return tuple(getattr(self, f"{name}_") for name in _names(self.reading))
+        return tuple(getattr(self, f"{name}_") for name in self.names)
 
 
 def own_topic(key: str, reading: type, percept: str | None = None, *, publisher: str = "") -> Topic:
@@ -69,23 +64,25 @@ def topic_of(sensor: Sensor) -> Topic:
 
 def message_of(reading: type, key: str = "") -> type[ReadingMessage]:
     """Return the message for a type of reading, or raise `ContractError` about topic `key`."""
-    hints = get_type_hints(reading)
-    fields = []
-    for name in _names(reading, key):
+    if dataclasses.is_dataclass(reading):
+        names = tuple(field.name for field in dataclasses.fields(reading))
+    elif (names := getattr(reading, "_fields", ())) == ():
+        what = f"its reading is {reading!r}, wanted a NamedTuple or a dataclass"
+        raise ContractError(f"topic {key!r}: {what}")
+    hints, fields = get_type_hints(reading), []
+    for name in names:
         if name in _TAKEN:
             raise ContractError(f"topic {key!r}: every message has a field {name!r} of its own")
         kind = _wire_type(hints[name])
         if kind is None:
-            what = "wanted float, tuple[float, ...], int, bool or str"
-            raise ContractError(
-                f"topic {key!r}: {reading.__name__}.{name} is {hints[name]}, {what}"
-            )
+            what = f"{hints[name]}, wanted float, tuple[float, ...], int, bool or str"
+            raise ContractError(f"topic {key!r}: {reading.__name__}.{name} is {what}")
         fields.append((f"{name}_", kind, msgspec.field(name=name)))
     message = msgspec.defstruct(
         f"{reading.__name__}Message",
         fields,
         bases=(ReadingMessage,),
-        namespace={"reading": reading, "__doc__": reading.__doc__},
+        namespace={"reading": reading, "names": names, "__doc__": reading.__doc__},
         frozen=True,
         gc=False,
     )
@@ -102,16 +99,6 @@ def _wire_type(kind: Any) -> Any:
     exact = len(arguments) if Ellipsis not in get_args(kind) else None
     length = Meta(min_length=exact or 0, max_length=exact or MOST_NUMBERS)
     return Annotated[tuple[Number | None, ...], length]
-
-
-def _names(reading: type, key: str = "") -> tuple[str, ...]:
-    if dataclasses.is_dataclass(reading):
-        return tuple(field.name for field in dataclasses.fields(reading))
-    names: tuple[str, ...] | None = getattr(reading, "_fields", None)
-    if names is None:
-        what = "wanted a NamedTuple or a dataclass"
-        raise ContractError(f"topic {key!r}: its reading is {reading!r}, {what}")
-    return names
 
 
 def _lost_as_nil(value: Any) -> Any:

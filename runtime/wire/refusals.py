@@ -1,5 +1,6 @@
 """Refused messages, counted by key and reason, and logged once for each."""
 
+from collections import Counter, defaultdict
 from collections.abc import Callable
 from enum import StrEnum
 
@@ -42,10 +43,6 @@ class MessageError(MsmaError, ValueError):
         self.detail = detail
 
 
-def say_nothing(key: str, reason: str, detail: str) -> None:
-    """Count only."""
-
-
 class Refusals:
     """Counts by key and reason, in bounded memory as long as the keys are of the contract.
 
@@ -53,19 +50,17 @@ class Refusals:
         say: Called with key, reason and detail at the first refusal of a key for a reason.
     """
 
-    def __init__(self, say: Callable[[str, str, str], None] = say_nothing) -> None:
+    def __init__(self, say: Callable[[str, str, str], None] = lambda *_: None) -> None:
         self._say = say
-        self._counts: dict[str, dict[str, int]] = {}
+        self._counts = defaultdict[str, Counter[str]](Counter)
 
-    def count(self, key: str, reason: str, detail: str = "", times: int = 1) -> None:
-        """Count one or several refusals on `key`, which is in the contract."""
-        reasons = self._counts.setdefault(key, {})
-        before = reasons.get(reason, 0)
-        if not before and len(reasons) >= REASONS_KEPT:
+    def count(self, key: str, reason: str, detail: str = "") -> None:
+        """Count a refusal on `key`, which is in the contract."""
+        reasons = self._counts[key]
+        if reason not in reasons and len(reasons) >= REASONS_KEPT:
             reason = OTHER_REASONS
-            before = reasons.get(reason, 0)
-        reasons[reason] = before + times
-        if not before:
+        reasons[reason] += 1
+        if reasons[reason] == 1:
             self._say(key, reason, detail)
 
     def count_unknown(self, key: str) -> None:

@@ -89,47 +89,30 @@ def access_list(robot: str, roles: Sequence[str], contract: Contract = STANDARD)
     A rule covers a message if its keys include all of the message's, so a wildcard that reaches
     beyond a role's own keys is refused as a whole. Zenoh sees keys below the robot's name.
     """
-    rules = _Rules(f"{robot}/")
-    everybody = list(names(roles))
-    rules.allow(everybody, "egress", _ALL, "**")
-    rules.allow(everybody, "ingress", _READ, "**")
-    rules.allow(everybody, "ingress", ("query",), topics.EVERY_DIAG)
-    rules.allow([OPERATOR], "ingress", ("query",), topics.EVERY_CONTROL)
-    rules.allow([OPERATOR], "ingress", ("put",), topics.GOAL)
+    everybody = names(roles)
+    allowed: list[tuple[Sequence[str], str, Sequence[str], Sequence[str]]] = [
+        (everybody, "egress", _ALL, ["**"]),
+        (everybody, "ingress", _READ, ["**"]),
+        (everybody, "ingress", ["query"], [topics.EVERY_DIAG]),
+        ([OPERATOR], "ingress", ["query"], [topics.EVERY_CONTROL]),
+        ([OPERATOR], "ingress", ["put"], [topics.GOAL]),
+    ]
     for role in roles:
-        answers = (topics.controls(role), topics.diag(role))
-        rules.allow([role], "ingress", ("put",), *contract.keys_of(role))
-        rules.allow([role], "ingress", ("liveliness_token",), topics.alive_in(role))
-        rules.allow([role], "ingress", ("declare_queryable", "reply"), *answers)
+        answers = [f"ctl/{role}/*", topics.diag(role)]
+        allowed += [
+            ([role], "ingress", ["put"], contract.keys_of(role)),
+            ([role], "ingress", ["liveliness_token"], [f"alive/{role}/*"]),
+            ([role], "ingress", ["declare_queryable", "reply"], answers),
+        ]
+    rules, policies = [], []
+    for number, (subjects, flow, messages, keys) in enumerate(allowed):
+        rule = {"id": str(number), "permission": "allow", "flows": [flow], "messages": messages}
+        rules.append({**rule, "key_exprs": [f"{robot}/{key}" for key in keys]})
+        policies.append({"rules": [str(number)], "subjects": subjects})
     return {
         "enabled": True,
         "default_permission": "deny",
-        "rules": rules.rules,
+        "rules": rules,
         "subjects": [{"id": name, "cert_common_names": [name]} for name in everybody],
-        "policies": rules.policies,
+        "policies": policies,
     }
-
-
-class _Rules:
-    """Zenoh's rules, each with the policy that says to whom it applies."""
-
-    def __init__(self, prefix: str) -> None:
-        self._prefix = prefix
-        self.rules: list[dict[str, Any]] = []
-        self.policies: list[dict[str, Any]] = []
-
-    def allow(
-        self, subjects: Sequence[str], flow: str, messages: Sequence[str], *expressions: str
-    ) -> None:
-        """Allow some kinds of messages on some key expressions, in one direction."""
-        name = str(len(self.rules))
-        self.rules.append(
-            {
-                "id": name,
-                "permission": "allow",
-                "flows": [flow],
-                "messages": list(messages),
-                "key_exprs": [self._prefix + expression for expression in expressions],
-            }
-        )
-        self.policies.append({"rules": [name], "subjects": list(subjects)})

@@ -63,41 +63,32 @@ def config(
         protocol, encrypted = "tls", encryption(credentials)
         timeouts = timeouts._replace(open=_TLS_OPEN)
         listed = {"access_control": access_list(robot, credentials.roles, credentials.contract)}
-    return zenoh.Config.from_json5(
-        json.dumps(
-            {
-                "mode": "client" if place.routers else "peer",
-                "namespace": robot,
-                "listen": {"endpoints": [] if place.routers else [f"{protocol}/{place.listen}"]},
-                "connect": {
-                    "endpoints": _dials(protocol, place),
-                    "retry": {
-                        "period_init_ms": 100,
-                        "period_max_ms": timeouts.pause,
-                        "period_increase_factor": 1.5,
-                    },
-                },
-                "scouting": {
-                    "delay": 100,  # [ms] that opening waits for a dialled slot that is empty
-                    "multicast": {"enabled": False},
-                    "gossip": {"enabled": False},
-                },
-                "transport": {
-                    "link": {
-                        "tx": {"lease": timeouts.lease, "keep_alive": 4, "batch_size": _BATCH},
-                        **encrypted,
-                    },
-                    "unicast": {"open_timeout": timeouts.open, "accept_timeout": 1000},  # [ms]
-                    "shared_memory": {"enabled": False},  # it leaks when a process is killed
-                },
-                **listed,
-            }
-        )
-    )
-
-
-def _dials(protocol: str, place: Endpoints) -> list[str]:
-    if place.routers:
-        return [f"{protocol}/{there}" for there in place.routers]
-    often = [f"{protocol}/{there}" for there in place.dials]
-    return often + [f"{protocol}/{there}#retry_period_max_ms={_RARELY}" for there in place.rarely]
+    dials = [f"{protocol}/{there}" for there in place.routers or place.dials]
+    if not place.routers:
+        dials += [f"{protocol}/{copy}#retry_period_max_ms={_RARELY}" for copy in place.rarely]
+    retry = {
+        "period_init_ms": 100,
+        "period_max_ms": timeouts.pause,
+        "period_increase_factor": 1.5,
+    }
+    settings = {
+        "mode": "client" if place.routers else "peer",
+        "namespace": robot,
+        "listen": {"endpoints": [] if place.routers else [f"{protocol}/{place.listen}"]},
+        "connect": {"endpoints": dials, "retry": retry},
+        "scouting": {
+            "delay": 100,  # [ms] that opening waits for a dialled slot that is empty
+            "multicast": {"enabled": False},
+            "gossip": {"enabled": False},
+        },
+        "transport": {
+            "link": {
+                "tx": {"lease": timeouts.lease, "keep_alive": 4, "batch_size": _BATCH},
+                **encrypted,
+            },
+            "unicast": {"open_timeout": timeouts.open, "accept_timeout": 1000},  # [ms]
+            "shared_memory": {"enabled": False},  # it leaks when a process is killed
+        },
+        **listed,
+    }
+    return zenoh.Config.from_json5(json.dumps(settings))

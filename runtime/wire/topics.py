@@ -143,11 +143,6 @@ EVERYBODY_ALIVE = "alive/**"
 EVERY_CONTROL = "ctl/**"
 
 
-def is_role(name: str) -> bool:
-    """Tell whether it is the name of a role: `plant`, `joint/2`."""
-    return re.fullmatch(_ROLE, name) is not None
-
-
 def file_name(role: str) -> str:
     """Return the role as part of a file's name: `joint/2` gives `joint-2`."""
     return role.replace("/", "-")
@@ -173,11 +168,6 @@ def alive(role: str, incarnation: int) -> str:
     return f"alive/{role}/{incarnation:x}"
 
 
-def alive_in(role: str) -> str:
-    """Return the key expression of all liveliness tokens of a role."""
-    return f"alive/{role}/*"
-
-
 def who_is_alive(key: str) -> tuple[str, int] | None:
     """Return role and incarnation of a liveliness token's key; None if it is no such key."""
     match = _ALIVE.fullmatch(key)
@@ -192,8 +182,3 @@ def diag(role: str) -> str:
 def stop(role: str) -> str:
     """Return the key on which a role is asked to stop."""
     return f"ctl/{role}/stop"
-
-
-def controls(role: str) -> str:
-    """Return the key expression of all that can be asked of a role."""
-    return f"ctl/{role}/*"

@@ -9,7 +9,6 @@ import fcntl
 import os
 import re
 import sys
-from collections import Counter
 from collections.abc import Callable
 from contextlib import suppress
 from enum import StrEnum
@@ -103,8 +102,6 @@ class ConnectionLog:
         """Count what was logged since the last look, and pass on what else was written."""
         if not self._on:
             return
-        found: Counter[tuple[str, Rejection]] = Counter()
-        details: dict[Rejection, str] = {}
         others = []
         while data := os.pread(self._log, _LARGE, self._read):
             self._read += len(data)
@@ -118,12 +115,9 @@ class ConnectionLog:
                 if joined := _JOINED.fullmatch(match[3]):
                     self._joined(*(part.decode(errors="replace") for part in joined.groups()[::-1]))
                 elif why := _rejection(*match.groups()):
-                    found[
-                        ACCESS_LIST if why is Rejection.NOT_ALLOWED else REJECTED_CONNECTIONS, why
-                    ] += 1
-                    details.setdefault(why, match[3].decode(errors="replace").removesuffix(_HINT))
-        for (key, why), times in found.items():
-            self._refusals.count(key, why, details[why], times)
+                    key = ACCESS_LIST if why is Rejection.NOT_ALLOWED else REJECTED_CONNECTIONS
+                    detail = match[3].decode(errors="replace").removesuffix(_HINT)
+                    self._refusals.count(key, why, detail)
         if self._read > _LARGE:
             os.ftruncate(self._log, 0)  # what was written since the last read goes uncounted
             self._read = 0
