@@ -6,6 +6,7 @@ import os
 import sys
 from collections.abc import Sequence
 from importlib.util import find_spec
+from pathlib import Path
 
 import runtime.verbs
 from plant.errors import MsmaError
@@ -79,8 +80,7 @@ def _docstring(module: str) -> str:
     spec = find_spec(module)
     if spec is None or spec.origin is None:
         return "(not found)"
-    with open(spec.origin, encoding="utf-8") as stream:
-        text = ast.get_docstring(ast.parse(stream.read())) or ""
+    text = ast.get_docstring(ast.parse(Path(spec.origin).read_text("utf-8"))) or ""
     return text.partition("\n")[0]
 
 

@@ -44,13 +44,9 @@ class CampaignRun:
     """One run of a campaign.
 
     Attributes:
-        seed: Seed of everything random in the run.
-        chaos: The chaos events that were scheduled.
         outcome: "reached", "missed", or "failed" if the run could not be evaluated.
         reason: Why it failed; empty otherwise.
         error: Distance of the hand from its goal at the end [m]; None if it never moved.
-        impact: What the faults caused.
-        folder: The run's folder.
     """
 
     seed: int

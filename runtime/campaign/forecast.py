@@ -23,6 +23,7 @@ from plant.plant import Commands, Setup
 from runtime.chaos.schedule import Due, Schedule
 from runtime.config.chaos import ChaosEvent
 from runtime.config.deployment import Deployment
+from runtime.config.specs import parts_of
 from runtime.results.reach import smallest_distance
 from runtime.wire.topics import GOAL_SOURCE, PLATFORM_AGENT
 
@@ -82,9 +83,8 @@ def forecast(deployment: Deployment, path: Path, duration: float) -> Forecast:
         truth = plant.truth()
         moved = np.maximum(moved, np.abs(np.subtract(truth.q, start.joints)))
     published, intended = goal.at(duration), path.piece(duration).at(duration)
-    locked = {target for target, kind in faults.items() if kind in ("locked", "limp")}
-    drives = processes.is_up(PLATFORM_AGENT) and PLATFORM_AGENT not in locked
-    roams = robot.drive is not None and drives
+    held = {target for target, kind in faults.items() if kind in ("locked", "limp")}
+    alive = {role for role in parts_of(robot) if processes.is_up(role)} - held
     return Forecast(
         error=_distance(np.asarray(truth.position), intended),
         misled=_distance(published, intended),
@@ -93,10 +93,8 @@ def forecast(deployment: Deployment, path: Path, duration: float) -> Forecast:
             published,
             np.asarray(truth.base),
             np.asarray(truth.q),
-            stuck=[
-                i for i in range(robot.n) if moved[i] < _STILL or _is_stuck(i, processes, locked)
-            ],
-            roams=roams,
+            stuck=[i for i in range(robot.n) if moved[i] < _STILL or f"joint/{i + 1}" not in alive],
+            roams=PLATFORM_AGENT in alive,
         ),
     )
 
@@ -107,11 +105,6 @@ def _late(events: Iterable[ChaosEvent], starting: float) -> list[ChaosEvent]:
         event if event.revive is None else replace(event, at=event.at + starting)
         for event in events
     ]
-
-
-def _is_stuck(joint: int, processes: "_AgentTeam", locked: set[str]) -> bool:
-    role = f"joint/{joint + 1}"
-    return role in locked or not processes.is_up(role)
 
 
 def _distance(here: Array, there: Array) -> float:

@@ -14,6 +14,7 @@ import numpy as np
 from agents.agent import Array
 from runtime.config.chaos import LAUNCHER
 from runtime.config.deployment import Deployment
+from runtime.config.specs import parts_of
 from runtime.results.evaluation import errors
 from runtime.results.gaps import arrivals, first_after
 from runtime.results.logs import read_log
@@ -92,12 +93,9 @@ class _Measurement:
         self._gone = [line for line in read_log(run, "launcher", "gone") if line["wall"] < blind]
         self._copies = Counter(member.role for member in deployment.processes)
         self._error = errors(log, deployment.goal.build())
-        robot = deployment.description.robot
-        roles = [f"joint/{joint + 1}" for joint in range(robot.n)] + ["platform"] * bool(
-            robot.drive
-        )
-        agents = {agent.role for agent in deployment.agents}
+        roles = parts_of(deployment.description.robot)
         times = zip(roles, arrivals(log, deployment.period), strict=True)
+        agents = {agent.role for agent in deployment.agents}
         self._arrivals = {role: seen for role, seen in times if role in agents and len(seen) > 1}
         self._gaps = {
             role: _gaps(seen, self._downtimes(role, seen)) for role, seen in self._arrivals.items()

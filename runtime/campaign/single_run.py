@@ -9,7 +9,7 @@ from pathlib import Path
 from runtime.config.deployment import load
 from runtime.errors import RunError
 from runtime.launching.launcher import Launcher
-from runtime.results.finishing import conclude
+from runtime.results.finishing import close
 from runtime.watching.watcher import View
 
 
@@ -34,7 +34,7 @@ def main(run: Path) -> int:
     except RunError as error:
         print(error)
         return 1
-    return conclude(deployment, run, outcome)[0].code
+    return close(deployment, run, outcome, plot=False)[0].code
 
 
 if __name__ == "__main__":

@@ -5,12 +5,12 @@ from typing import Annotated, ClassVar
 
 from plant.errors import MsmaError
 from plant.faults import Fault
-from runtime.config.hosts import HostName
+from runtime.config.hosts import Host
 from runtime.config.kinds import OneOrMore, Range, Scope
 from runtime.config.specs import Role
 from runtime.config.tree import YamlNode
 
-Hosts = Annotated[tuple[HostName, ...], OneOrMore()]
+Hosts = Annotated[tuple[Host, ...], OneOrMore()]
 Seconds = Annotated[float, "s", Range(such_as="2 s", above=0)]
 Share = Annotated[float, Range(such_as="2 %", above=0, most=1)]
 
@@ -55,11 +55,8 @@ class ChaosEvent:
     jitter: Annotated[float, "s", Range(such_as="5 ms", least=0)] | None = None
     share: Share | None = None
 
-    one_of: ClassVar[tuple[str, ...]] = (
-        *("kill", "hang", "stop", "revive", "fault"),
-        *("partition", "delay", "loss"),
-    )
     of_network: ClassVar[tuple[str, ...]] = ("partition", "delay", "loss")
+    one_of: ClassVar[tuple[str, ...]] = ("kill", "hang", "stop", "revive", "fault", *of_network)
 
     @property
     def action(self) -> str:
@@ -69,8 +66,7 @@ class ChaosEvent:
     @property
     def role(self) -> str | None:
         """The target role; None if the target is the robot or hosts."""
-        role: str | None = self.kill or self.hang or self.stop or self.revive
-        return role
+        return self.kill or self.hang or self.stop or self.revive
 
     @property
     def hosts(self) -> tuple[str, ...]:

@@ -99,6 +99,18 @@ class ClassName:
             raise ConfigError("this deployment was loaded for another role, without this class")
         return self.load()(*positional, **parameters)
 
+    def check(self, node: YamlNode, build: Callable[[], Any]) -> None:
+        """If it is loaded, run `build`; turn its exceptions into errors at the values in `node`."""
+        try:
+            if self.is_loaded:
+                build()
+        except Exception as error:  # a user's constructor may do anything
+            name, _, what = str(error).partition(": ")
+            if isinstance(error, ValueError) and name in node.children:
+                raise node.children[name].error(what) from error
+            kind = "" if isinstance(error, ValueError) else f"{type(error).__name__}: "
+            raise node.error(f"{kind}{error}") from error
+
     def __str__(self) -> str:
         return self.name
 
@@ -131,15 +143,3 @@ class NodeClass(ClassName):
 
     base = Node
     such_as = "mine:Camera"
-
-
-def blame(node: YamlNode, build: Callable[[], Any]) -> None:
-    """Run `build`, and turn its exceptions into errors at the values in `node`."""
-    try:
-        build()
-    except Exception as error:  # a user's constructor may do anything
-        name, _, what = str(error).partition(": ")
-        if isinstance(error, ValueError) and name in node.children:
-            raise node.children[name].error(what) from error
-        kind = "" if isinstance(error, ValueError) else f"{type(error).__name__}: "
-        raise node.error(f"{kind}{error}") from error

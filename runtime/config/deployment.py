@@ -11,7 +11,7 @@ import yaml
 from agents.agent import Agent
 from plant.plant import Plant
 from runtime.config.chaos import LAUNCHER, WATCHER, ChaosEvent
-from runtime.config.hosts import HostName, HostSpec, Router, here_alone
+from runtime.config.hosts import HostSpec, NewHost, Router, here_alone
 from runtime.config.kinds import Output, Pattern, Range, Scope
 from runtime.config.overrides import Override
 from runtime.config.random_chaos import RandomChaos
@@ -91,7 +91,7 @@ class Deployment:
     runs: Annotated[Path, Output(), Derived(lambda _: Path.cwd() / "runs")]
     log_megabytes: Annotated[int, Range(such_as="512", least=1)] = LOG_MEGABYTES
     modules: Annotated[Path, Derived(lambda scope: scope["folder"])]
-    hosts: Annotated[Mapping[HostName, HostSpec], Derived(here_alone)]
+    hosts: Annotated[Mapping[NewHost, HostSpec], Derived(here_alone)]
     routers: tuple[Router, ...] = ()
     security: SecuritySpec | None = None
     start: Start
@@ -105,9 +105,16 @@ class Deployment:
     @property
     def roles(self) -> tuple[str, ...]:
         """All roles that have a process, in the order of their slots."""
-        goal = () if self.goal is None else ("goal",)
-        agents = (agent.role for agent in self.agents)
-        return ("plant", *goal, *agents, *(node.role for node in self.nodes))
+        return tuple(self._specs)
+
+    @property
+    def _specs(self) -> dict[str, PlantSpec | GoalSpec | AgentSpec | NodeSpec]:
+        specs: dict[str, PlantSpec | GoalSpec | AgentSpec | NodeSpec] = {"plant": self.plant}
+        if self.goal is not None:
+            specs["goal"] = self.goal
+        specs.update((agent.role, agent) for agent in self.agents)
+        specs.update((node.role, node) for node in self.nodes)
+        return specs
 
     @property
     def chaos_targets(self) -> tuple[str, ...]:
@@ -130,17 +137,13 @@ class Deployment:
     def slot(self, role: str) -> int:
         """Return the index of a role among the robot's ports, or raise `ConfigError`."""
         if role not in self.roles:
-            raise ConfigError(f"no process has the role {role!r}{valid_are(role, self.roles)}")
+            raise ConfigError(_nobody(role, self.roles))
         return self.roles.index(role)
 
     def host_of(self, role: str) -> str:
         """Return the name of the host of a role."""
-        if role == "plant":
-            return self.plant.host
-        if role == "goal" and self.goal is not None:
-            return self.goal.host
-        node = self.node(role)
-        return self.agent(role).host[0] if node is None else node.host
+        host = self._specs[role].host
+        return host if isinstance(host, str) else host[0]
 
     @property
     def processes(self) -> tuple[ProcessSpec, ...]:
@@ -187,10 +190,8 @@ class Deployment:
     @property
     def contract(self) -> Contract:
         """The topics of this robot; loads the classes of its plant and nodes."""
-        own = [*self.plant.topics]
-        for node in self.nodes:
-            own += node.topics
-        return Contract(own)
+        of_nodes = (topic for node in self.nodes for topic in node.topics)
+        return Contract([*self.plant.topics, *of_nodes])
 
     def agent(self, role: str) -> AgentSpec:
         """Return the specification of an agent, or raise `ConfigError`."""
@@ -212,14 +213,13 @@ class Deployment:
     def check(self, node: YamlNode, scope: Scope) -> None:
         """Refuse duplicate roles, more processes than ports, and chaos for unknown targets."""
         first: dict[str, YamlNode] = {}
-        listed = [("agents", one.role, index) for index, one in enumerate(self.agents)]
-        listed += [("nodes", one.role, index) for index, one in enumerate(self.nodes)]
-        for kind, role, index in listed:
-            here, file = node.find(kind, index, "role"), file_name(role)
-            if file in first:
-                what = f"duplicate {kind.removesuffix('s')} {role}"
-                raise here.error(f"{what}, first given at {first[file].location}")
-            first[file] = here
+        for kind in ("agent", "node"):
+            for index, spec in enumerate(getattr(self, f"{kind}s")):
+                here, file = node.find(f"{kind}s", index, "role"), file_name(spec.role)
+                if file in first:
+                    there = first[file].location
+                    raise here.error(f"duplicate {kind} {spec.role}, first given at {there}")
+                first[file] = here
         if len(self.roles) > FIRST_COPY:
             what = f"{len(self.roles)} processes with plant and goal; at most {FIRST_COPY}"
             raise node.find("nodes" if self.nodes else "agents").error(what)
@@ -240,23 +240,13 @@ class Deployment:
                 path = ("nodes", index - 1) if index else ("plant",)
                 raise node.find(*path, "class").error(str(error)) from None
         for index, event in enumerate(self.chaos):
-            self._check_target(event, node.find("chaos", index, event.action))
+            roles = (*self.roles, LAUNCHER, WATCHER) if event.kill or event.hang else self.roles
+            if event.role not in (None, *roles):
+                raise node.find("chaos", index, event.action).error(_nobody(event.role, roles))
         for index, role in enumerate(self.random_chaos.roles if self.random_chaos else ()):
-            self._check_role(role, self.chaos_targets, node.find("random_chaos", "roles", index))
-
-    def _check_target(self, event: ChaosEvent, node: YamlNode) -> None:
-        """Refuse chaos for an unknown role or host."""
-        roles = (*self.roles, LAUNCHER, WATCHER) if event.kill or event.hang else self.roles
-        if event.role is not None:
-            self._check_role(event.role, roles, node)
-        for index, host in enumerate(event.hosts):
-            if host not in self.hosts:
-                hint = valid_are(host, self.hosts)
-                raise node.find(index).error(f"there is no host {host!r}{hint}")
-
-    def _check_role(self, role: str, valid: tuple[str, ...], node: YamlNode) -> None:
-        if role not in valid:
-            raise node.error(f"no process has the role {role!r}{valid_are(role, valid)}")
+            if role not in self.chaos_targets:
+                here = node.find("random_chaos", "roles", index)
+                raise here.error(_nobody(role, self.chaos_targets))
 
     def drawn(self) -> "Deployment":
         """Return the deployment with its random faults drawn, as a part of `chaos`."""
@@ -270,6 +260,10 @@ class Deployment:
         plain = kind_of(Deployment).write(self)
         text: str = yaml.safe_dump(plain, sort_keys=False, default_flow_style=None, width=100)
         return text
+
+
+def _nobody(role: str | None, valid: Iterable[str]) -> str:
+    return f"no process has the role {role!r}{valid_are(str(role), valid)}"
 
 
 def load(

@@ -4,13 +4,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from runtime.config.kinds import OneOrMore, Pattern, Scope
+from runtime.config.kinds import Among, OneOrMore, Pattern, Scope
 from runtime.config.reading import Derived
 from runtime.config.tree import YamlNode
-from runtime.errors import valid_are
 from runtime.wire.mesh import LOOPBACK
 
-HostName = Annotated[str, Pattern("[A-Za-z0-9][A-Za-z0-9._-]*", "a host's name", "arm")]
+_NAME = Pattern("[A-Za-z0-9][A-Za-z0-9._-]*", "a host's name", "arm")
+NewHost = Annotated[str, _NAME]
+Host = Annotated[str, _NAME, Among("hosts", "host")]
+"""The name of one of the deployment's hosts."""
 HostAddress = Annotated[
     str, Pattern("[A-Za-z0-9][A-Za-z0-9._-]*|[0-9A-Fa-f:.]+", "an address", "192.168.0.11")
 ]
@@ -56,18 +58,7 @@ def _first(scope: Scope) -> str:
     return next(iter(hosts))
 
 
-Home = Annotated[HostName, Derived(_first)]
+Home = Annotated[Host, Derived(_first)]
 """The host of a process; by default the first of the deployment."""
-
-
-Homes = Annotated[tuple[HostName, ...], OneOrMore(), Derived(lambda scope: (_first(scope),))]
+Homes = Annotated[tuple[Host, ...], OneOrMore(), Derived(lambda scope: (_first(scope),))]
 """The hosts of a process and of its copies."""
-
-
-def check_homes(names: tuple[str, ...], node: YamlNode, scope: Scope) -> None:
-    """Refuse an unknown host."""
-    hosts = scope["hosts"]
-    for index, host in enumerate(names):
-        if host not in hosts:
-            here = node.find("host", index)
-            raise here.error(f"there is no host {host!r}{valid_are(host, hosts)}")

@@ -57,6 +57,18 @@ class Pattern(NamedTuple):
     such_as: str
 
 
+class Among(NamedTuple):
+    """Annotation: a text must be a name in a mapping that was read earlier.
+
+    Attributes:
+        names: The attribute that holds the mapping.
+        what: What such a name is called, for messages.
+    """
+
+    names: str
+    what: str
+
+
 class OneOrMore(NamedTuple):
     """Annotation: a list with at least one value; a single one needs no brackets."""
 
@@ -150,9 +162,10 @@ class Choice(Kind):
 
 @dataclass(frozen=True)
 class Text(Kind):
-    """Text, optionally with a pattern to match."""
+    """Text, optionally with a pattern to match, and a mapping that it is a name in."""
 
     pattern: Pattern | None
+    among: Among | None = None
 
     @property
     def such_as(self) -> str:
@@ -164,6 +177,9 @@ class Text(Kind):
         regex, what, _ = self.pattern or (".*", "text", "")
         if not isinstance(node.value, str) or not re.fullmatch(regex, node.value, re.DOTALL):
             raise node.error(f"{node.text!r} is not {what}, such as {self.such_as}")
+        if self.among and node.value not in (names := scope[self.among.names]):
+            hint = valid_are(node.value, names)
+            raise node.error(f"there is no {self.among.what} {node.value!r}{hint}")
         return node.value
 
 

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 import numpy as np
 
-from runtime.config.chaos import LAUNCHER, WATCHER, ChaosEvent
+from runtime.config.chaos import LAUNCHER, WATCHER, ChaosEvent, Seconds
 from runtime.config.kinds import Range, Scope
 from runtime.config.reading import Derived
 from runtime.config.specs import Role
@@ -15,7 +15,6 @@ from runtime.config.tree import YamlNode
 Manner = Literal["kill", "hang", "restart"]
 MANNERS: tuple[Manner, ...] = ("kill", "hang", "restart")
 """Killed for good, suspended for a while, or killed and later started again."""
-_Seconds = Annotated[float, "s", Range(such_as="2 s", above=0)]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,7 +32,7 @@ class RandomChaos:
     rate: Annotated[float, "Hz", Range(such_as="0.1 Hz", above=0, most=100)]
     roles: tuple[Role, ...] = ()
     manners: tuple[Manner, ...] = MANNERS
-    lasting: tuple[_Seconds, _Seconds] = (0.5, 3.0)
+    lasting: tuple[Seconds, Seconds] = (0.5, 3.0)
     seed: Annotated[int, Range(such_as="1", least=0), Derived(lambda scope: scope["seed"])]
 
     def check(self, node: YamlNode, scope: Scope) -> None:

@@ -29,6 +29,7 @@ from typing import (
 
 from plant.units import Unit
 from runtime.config.kinds import (
+    Among,
     Choice,
     File,
     Items,
@@ -256,7 +257,7 @@ def kind_of(annotation: Any, unit: Unit = "1") -> Kind:
         float: Quantity(unit, bounds),
         int: Whole(bounds),
         bool: _TRUTH,
-        str: Text(_find(marks, Pattern)),
+        str: Text(_find(marks, Pattern), _find(marks, Among)),
         Path: File(output=_find(marks, Output) is not None),
     }
     if base not in leaves:

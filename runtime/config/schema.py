@@ -58,15 +58,9 @@ def _of(kind: Kind) -> dict[str, Any]:
 
 
 def _bounds(bounds: Range | None) -> dict[str, float]:
-    named = (
-        {
-            "exclusiveMinimum": bounds.above,
-            "minimum": bounds.least,
-            "maximum": bounds.most,
-        }
-        if bounds
-        else {}
-    )
+    if bounds is None:
+        return {}
+    named = {"exclusiveMinimum": bounds.above, "minimum": bounds.least, "maximum": bounds.most}
     return {name: bound for name, bound in named.items() if math.isfinite(bound)}
 
 

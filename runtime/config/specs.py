@@ -14,8 +14,8 @@ from agents.paths import Path as GoalPath
 from plant import urdf
 from plant.plant import Plant, Setup
 from plant.robot import Robot
-from runtime.config.classes import AgentClass, NodeClass, PathClass, PlantClass, blame
-from runtime.config.hosts import Home, Homes, check_homes
+from runtime.config.classes import AgentClass, NodeClass, PathClass, PlantClass
+from runtime.config.hosts import Home, Homes
 from runtime.config.kinds import Pattern, Range, Scope, Text
 from runtime.config.reading import Derived, Rest
 from runtime.config.tree import Location, YamlNode
@@ -61,8 +61,14 @@ class Description:
         return self.source
 
 
-def _rest(scope: Scope) -> Any:
-    return scope["class_"].parameters
+def parts_of(robot: Robot) -> tuple[str, ...]:
+    """Return the roles of all agents that a robot can have."""
+    joints = (f"joint/{index + 1}" for index in range(robot.n))
+    return (*joints, "platform") if robot.drive else tuple(joints)
+
+
+Parameters = Annotated[Mapping[str, Any], Rest(lambda scope: scope["class_"].parameters)]
+"""The parameters of a class in SI units, with defaults; as written if it is not loaded."""
 
 
 def _kinematic(scope: Scope) -> PlantClass:
@@ -123,8 +129,6 @@ class PlantSpec:
         hold: Age up to which a command is in force [s]; then the joint is brought to rest. By
             default 4 periods.
         host: Its host; by default the first one.
-        parameters: The parameters in SI units, with defaults; as written if the class is that of
-            another role and not loaded.
     """
 
     class_: Annotated[PlantClass, Derived(_kinematic)]
@@ -132,7 +136,7 @@ class PlantSpec:
         float, "s", Range(such_as="240 ms", above=0), Derived(lambda scope: 4 * scope["period"])
     ]
     host: Home
-    parameters: Annotated[Mapping[str, Any], Rest(_rest)]
+    parameters: Parameters
 
     @property
     def topics(self) -> tuple[Topic, ...]:
@@ -146,15 +150,13 @@ class PlantSpec:
         return plant
 
     def check(self, node: YamlNode, scope: Scope) -> None:
-        """Refuse an unknown host, a short hold, and parameters that the class refuses."""
-        check_homes((self.host,), node, scope)
+        """Refuse a short hold, and parameters that the class refuses."""
         period = scope["period"]
         if self.hold < period:
             hold = node.find("hold")
             raise hold.error(f"{hold.text} is shorter than the period, {period:g} s")
-        if self.class_.is_loaded:
-            robot: Robot = scope["description"].robot
-            blame(node, lambda: self.build(robot, scope["start"], period, [0]))
+        robot: Robot = scope["description"].robot
+        self.class_.check(node, lambda: self.build(robot, scope["start"], period, [0]))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -164,12 +166,11 @@ class GoalSpec:
     Attributes:
         class_: A class of paths, `module:Class`; its parameters are given beside it.
         host: Its host; by default the first one.
-        parameters: The parameters in SI units, with defaults.
     """
 
     class_: PathClass
     host: Home
-    parameters: Annotated[Mapping[str, Any], Rest(_rest)]
+    parameters: Parameters
 
     def build(self) -> GoalPath:
         """Make the path."""
@@ -177,10 +178,8 @@ class GoalSpec:
         return path
 
     def check(self, node: YamlNode, scope: Scope) -> None:
-        """Refuse an unknown host, and parameters that the class refuses."""
-        check_homes((self.host,), node, scope)
-        if self.class_.is_loaded:
-            blame(node, self.build)
+        """Refuse parameters that the class refuses."""
+        self.class_.check(node, self.build)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -193,15 +192,13 @@ class AgentSpec:
         host: Its host, by default the first one; with copies a list of hosts, by default that one
             and those after it.
         copies: Number of processes in the role; all but one are standbys.
-        parameters: The parameters in SI units, with defaults; as written if the class is that of
-            another role and not loaded.
     """
 
     role: Role
     class_: AgentClass
     host: Homes
     copies: Annotated[int, Range(such_as="2", least=1, most=8)] = 1
-    parameters: Annotated[Mapping[str, Any], Rest(_rest)]
+    parameters: Parameters
 
     @property
     def joint(self) -> int | None:
@@ -215,20 +212,16 @@ class AgentSpec:
         return agent
 
     def check(self, node: YamlNode, scope: Scope) -> None:
-        """Refuse an unknown role or host, and parameters that the class refuses."""
+        """Refuse an unknown role, too many hosts, and parameters that the class refuses."""
         robot: Robot = scope["description"].robot
-        valid = [f"joint/{index + 1}" for index in range(robot.n)]
-        if robot.drive:
-            valid.append("platform")
+        valid = parts_of(robot)
         if self.role not in valid:
             what = f"{robot.name} has no part {self.role!r}"
             raise node.find("role").error(f"{what}{valid_are(self.role, valid)}")
-        check_homes(self.host, node, scope)
         if len(self.host) > self.copies:
             many = f"{len(self.host)} hosts but copies: {self.copies}; set copies: {len(self.host)}"
             raise node.find("host").error(many)
-        if self.class_.is_loaded:
-            blame(node, lambda: self.build(robot, scope["period"], [0]))
+        self.class_.check(node, lambda: self.build(robot, scope["period"], [0]))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -239,14 +232,12 @@ class NodeSpec:
         role: Its name, such as camera.
         class_: A class of nodes, `module:Class`; its parameters are given beside it.
         host: Its host; by default the first one.
-        parameters: The parameters in SI units, with defaults; as written if the class is that of
-            another role and not loaded.
     """
 
     role: Role
     class_: NodeClass
     host: Home
-    parameters: Annotated[Mapping[str, Any], Rest(_rest)]
+    parameters: Parameters
 
     @property
     def topics(self) -> tuple[Topic, ...]:
@@ -259,10 +250,8 @@ class NodeSpec:
         return node
 
     def check(self, node: YamlNode, scope: Scope) -> None:
-        """Refuse a reserved role, an unknown host, and parameters that the class refuses."""
+        """Refuse a reserved role, and parameters that the class refuses."""
         if self.role.partition("/")[0] in _TAKEN:
             what = f"{self.role!r} is a reserved name; choose another, such as camera"
             raise node.find("role").error(what)
-        check_homes((self.host,), node, scope)
-        if self.class_.is_loaded:
-            blame(node, self.build)
+        self.class_.check(node, self.build)

@@ -43,13 +43,10 @@ class Location(NamedTuple):
 
 @dataclass(eq=False)
 class YamlNode:
-    """A value, a list or a mapping as it was written.
+    """A value, a list or a mapping as it was written; None if it is empty or null.
 
     Attributes:
-        location: Where it was written.
-        value: The text, list or mapping; None if it is empty or null.
         name: Its key or index in the parent.
-        parent: The list or mapping that holds it; None for the root.
         key: Where its key was written; None without a key.
     """
 
@@ -194,9 +191,8 @@ class _Builder:
         next(self.events)  # the end of the document
         after = next(self.events)
         if not isinstance(after, yaml.StreamEndEvent):
-            raise ConfigError(
-                f"{self.location(after)}: a second document; a file must have only one"
-            )
+            where = self.location(after)
+            raise ConfigError(f"{where}: a second document; a file must have only one")
         return root
 
     def location(self, event: Any) -> Location:
@@ -207,7 +203,7 @@ class _Builder:
 
     def node(self, event: Any, depth: int) -> YamlNode:
         location = self.location(event)
-        self.count_nodes(1, depth, location)
+        self.count_node(depth, location)
         if isinstance(event, yaml.AliasEvent):
             if event.anchor not in self.anchors:
                 what = f"the alias *{event.anchor} has no anchor &{event.anchor} before it"
@@ -255,7 +251,7 @@ class _Builder:
 
     def copy(self, node: YamlNode, depth: int) -> YamlNode:
         """Copy an anchor's node to an alias."""
-        self.count_nodes(1, depth, node.location)
+        self.count_node(depth, node.location)
         copy = YamlNode(node.location, node.value, key=node.key)
         if isinstance(node.value, list | dict):
             copy.value = type(node.value)()
@@ -263,8 +259,8 @@ class _Builder:
                 copy.put("+" if isinstance(copy.value, list) else name, self.copy(child, depth + 1))
         return copy
 
-    def count_nodes(self, nodes: int, depth: int, location: Location) -> None:
-        self.count += nodes
+    def count_node(self, depth: int, location: Location) -> None:
+        self.count += 1
         if depth > _MAX_DEPTH:
             raise ConfigError(f"{location}: is nested deeper than {_MAX_DEPTH} levels")
         if self.count > _MAX_NODES:

@@ -8,7 +8,6 @@ from runtime.config.deployment import Deployment
 from runtime.config.tree import ConfigError
 from runtime.doctor.machine import Finding, Grade
 from runtime.tls.verification import day, is_here, needed, verify
-from runtime.wire.security import Credentials
 
 _SOON = 30 * 86400.0  # [s] before expiry: warn
 _WHAT = "certificates"
@@ -19,36 +18,26 @@ def check_certificates(deployment: Deployment) -> Iterator[Finding]:
     security = deployment.security
     if security is None:
         return
-    valid = True
-    expiries: list[float] = []
+    expiries, bad = [], []
     for name, address in needed(deployment):
         if not is_here(address):
             continue
         try:
             credentials = security.credentials(name, deployment.roles)
         except ConfigError as error:
-            yield Finding(Grade.BAD, _WHAT, str(error))
-            return
-        remedy = security.remedy(" --overwrite")
-        for finding in _check_pair(credentials, address, expiries, remedy):
-            valid = False
-            yield finding
-    if valid and expiries:
+            bad.append(str(error))
+            break
+        try:
+            expiries.append(verify(credentials, address, time.time()).end)
+        except ConfigError as error:
+            bad.append(f"{error}; replace all: {security.remedy(' --overwrite')}")
+        file = credentials.private_key
+        if stat.S_IMODE(file.stat().st_mode) & 0o077:
+            what = f"{file} can be read by other users, who could act as {name}"
+            bad.append(f"{what}; `chmod 600 {file}`")
+    for detail in bad:
+        yield Finding(Grade.BAD, _WHAT, detail)
+    if expiries and not bad:
         soon = min(expiries) < time.time() + _SOON
         detail = f"{len(expiries)} in {security.keys}, valid until {day(min(expiries))}"
         yield Finding(Grade.WARN if soon else Grade.OK, _WHAT, detail)
-
-
-def _check_pair(
-    credentials: Credentials, address: str, expiries: list[float], remedy: str
-) -> Iterator[Finding]:
-    """Check one key pair; append its expiry [s since 1970] if it is valid."""
-    try:
-        expiries.append(verify(credentials, address, time.time()).end)
-    except ConfigError as error:
-        yield Finding(Grade.BAD, _WHAT, f"{error}; replace all: {remedy}")
-    mode = stat.S_IMODE(credentials.private_key.stat().st_mode)
-    if mode & 0o077:
-        file = credentials.private_key
-        detail = f"{file} can be read by other users, who could act as {credentials.name}"
-        yield Finding(Grade.BAD, _WHAT, f"{detail}; `chmod 600 {file}`")

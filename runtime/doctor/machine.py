@@ -1,6 +1,7 @@
 """Checks of the machine: Python, libraries, limits, loopback device, load and run folder."""
 
 import os
+import platform
 import resource
 import socket
 import sys
@@ -19,7 +20,6 @@ _LIBRARIES: dict[str, tuple[int, ...]] = {
     **{"eclipse-zenoh": (1, 10), "msgpack": (1,), "msgspec": (0, 18)},
     **{"numpy": (1, 26), "psutil": (5, 9), "pyyaml": (6,)},
 }
-_PLOTS = "matplotlib"
 _FILES = 256  # file descriptors: each process has a socket to every other
 _SLOW = 0.005  # [s] round trip on the loopback device: warn
 
@@ -33,13 +33,7 @@ class Grade(Enum):
 
 
 class Finding(NamedTuple):
-    """The result of one check.
-
-    Attributes:
-        grade: How severe it is.
-        what: What was checked.
-        detail: What was found, and how to correct it if it is not OK.
-    """
+    """What one check has found, and how to correct it if it is not OK."""
 
     grade: Grade
     what: str
@@ -48,10 +42,12 @@ class Finding(NamedTuple):
 
 def check_machine(runs: Path) -> Iterator[Finding]:
     """Check this machine; `runs` is the folder in which runs are recorded."""
-    yield _python()
+    yield Finding(Grade.OK, "Python", f"{platform.python_version()}, {sys.executable}")
     for name, least in _LIBRARIES.items():
-        yield _library(name, least)
-    yield _plots()
+        remedy = f"`pip install '{name}>={'.'.join(map(str, least))}'`"
+        yield _library(name, least, Grade.BAD, f"is not installed; {remedy}", remedy)
+    missing = "not installed, so runs are not plotted; `pip install 'msma[plots]'`"
+    yield _library("matplotlib", (), Grade.WARN, missing)
     yield _files()
     yield _loopback()
     yield _load()
@@ -59,41 +55,25 @@ def check_machine(runs: Path) -> Iterator[Finding]:
     yield _folder(runs)
 
 
-def _python() -> Finding:
-    found = ".".join(map(str, sys.version_info[:3]))
-    return Finding(Grade.OK, "Python", f"{found}, {sys.executable}")
-
-
-def _library(name: str, least: tuple[int, ...]) -> Finding:
-    wanted = ".".join(map(str, least))
+def _library(
+    name: str, least: tuple[int, ...], without: Grade, missing: str, remedy: str = ""
+) -> Finding:
     try:
         found = version(name)
     except PackageNotFoundError:
-        return Finding(Grade.BAD, name, f"is not installed; `pip install '{name}>={wanted}'`")
+        return Finding(without, name, missing)
     numbers = tuple(int(part) for part in found.split(".")[: len(least)] if part.isdigit())
     if numbers < least:
-        return Finding(Grade.BAD, name, f"{found}; `pip install '{name}>={wanted}'`")
+        return Finding(Grade.BAD, name, f"{found}; {remedy}")
     return Finding(Grade.OK, name, found)
-
-
-def _plots() -> Finding:
-    try:
-        return Finding(Grade.OK, _PLOTS, version(_PLOTS))
-    except PackageNotFoundError:
-        return Finding(
-            Grade.WARN,
-            _PLOTS,
-            "not installed, so runs are not plotted; `pip install 'msma[plots]'`",
-        )
 
 
 def _files() -> Finding:
     soft, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
+    detail = "no limit" if soft < 0 else f"{soft} per process"
     if 0 <= soft < _FILES:
-        return Finding(
-            Grade.BAD, "open files", f"{soft} per process; `ulimit -n 1024` raises the limit"
-        )
-    return Finding(Grade.OK, "open files", "no limit" if soft < 0 else f"{soft} per process")
+        return Finding(Grade.BAD, "open files", f"{detail}; `ulimit -n 1024` raises the limit")
+    return Finding(Grade.OK, "open files", detail)
 
 
 def _loopback() -> Finding:
@@ -110,9 +90,8 @@ def _loopback() -> Finding:
                     here.recv(1)
                     took = time.monotonic() - began
     except OSError as error:
-        return Finding(
-            Grade.BAD, "loopback", f"{LOOPBACK} does not work: {error}; `ip link set lo up`"
-        )
+        detail = f"{LOOPBACK} does not work: {error}; `ip link set lo up`"
+        return Finding(Grade.BAD, "loopback", detail)
     grade = Grade.WARN if took > _SLOW else Grade.OK
     return Finding(grade, "loopback", f"round trip {1e3 * took:.2f} ms")
 
@@ -130,10 +109,9 @@ def _load() -> Finding:
 def _scheduling() -> Finding:
     with ThreadPoolExecutor(1) as threads:  # it applies to the calling thread
         granted = threads.submit(set_realtime).result()
-    if granted:
-        return Finding(Grade.OK, "scheduling", "a robot's processes get real-time priority")
-    detail = "normal; for real-time priority add `USER - rtprio 1` to /etc/security/limits.conf"
-    return Finding(Grade.OK, "scheduling", detail)
+    realtime = "a robot's processes get real-time priority"
+    normal = "normal; for real-time priority add `USER - rtprio 1` to /etc/security/limits.conf"
+    return Finding(Grade.OK, "scheduling", realtime if granted else normal)
 
 
 def _folder(runs: Path) -> Finding:

@@ -26,7 +26,6 @@ class Health(NamedTuple):
     """The diagnostics of a process, and how its host's clock compares with this one.
 
     Attributes:
-        diag: The diagnostics.
         clock_offset: How far the clock of its host is ahead of this one [s].
         uncertainty: Largest error of that offset [s].
     """
@@ -76,7 +75,7 @@ def _reach(address: str, port: int) -> tuple[Grade, str]:
     try:
         with socket.create_connection((address, port), timeout=_TIMEOUT):
             return Grade.OK, "can be reached"
-    except ConnectionRefusedError:
+    except ConnectionRefusedError:  # by a host that is there
         return Grade.OK, "can be reached"
     except socket.gaierror as error:
         return Grade.BAD, f"is an unknown host name: {error.strerror}"

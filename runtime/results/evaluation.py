@@ -66,7 +66,6 @@ class JointMotion:
     """How one joint moved.
 
     Attributes:
-        name: Name of the joint.
         final: Angle at the end [rad].
         straightest: Smallest absolute angle [rad].
     """
@@ -134,12 +133,11 @@ def _tracking(log: RunLog, path: Path, tolerance: float, robot: Robot) -> Tracki
     settled = t >= min(SETTLING, t[-1])
     outside = np.flatnonzero(error > tolerance)
     first = int(outside[-1]) + 1 if len(outside) else 0
-    final = float(error[-1])
+    reached = error[-1] <= tolerance
     goal = goals(path, log.t[-1:])[0]
-    reached = final <= tolerance
     q = np.nan_to_num(log.q[-1])  # of a lost encoder any angle will do
     return Tracking(
-        final=final,
+        final=float(error[-1]),
         worst=float(error[settled].max()),
         within=float(np.mean(error[settled] <= tolerance)),
         since=float(t[first]) if first < len(error) else None,
@@ -154,11 +152,6 @@ def _platform(log: RunLog, robot: Robot) -> PlatformMotion:
     return PlatformMotion(
         least_speed=float(log.base_velocity[:, 0].min()),
         heading=float(base[2]),
-        to_hand=_half_turn(math.atan2(y, x) - base[2]),
-        arm_yaw=_half_turn(q[0]),
+        to_hand=math.remainder(math.atan2(y, x) - base[2], math.tau),
+        arm_yaw=math.remainder(q[0], math.tau),
     )
-
-
-def _half_turn(angle: float) -> float:
-    """Wrap an angle to half a turn either way [rad]."""
-    return math.remainder(angle, math.tau)

@@ -22,29 +22,17 @@ def save(file: Path, write: Callable[[Path], object]) -> str:
     return ""
 
 
-SUMMARY, PLOT = "summary.json", "path.png"
-
-
 def close(
-    deployment: Deployment, run: Path, outcome: RunOutcome, again: Sequence[str] = ()
+    deployment: Deployment,
+    run: Path,
+    outcome: RunOutcome,
+    again: Sequence[str] = (),
+    plot: bool = True,
 ) -> tuple[Summary, str]:
     """Write `summary.json` and a plot to a run's folder; `again` are the options to repeat it.
 
     Returns:
         The summary, and lines about the plot and about files that could not be written.
-    """
-    summary, log, problem = conclude(deployment, run, outcome, again)
-    plot = "" if log is None else _draw(log, deployment, summary)
-    return summary, "\n".join(filter(None, (problem, plot)))
-
-
-def conclude(
-    deployment: Deployment, run: Path, outcome: RunOutcome, again: Sequence[str] = ()
-) -> tuple[Summary, RunLog | None, str]:
-    """Write `summary.json` to a run's folder; `again` are the options to repeat the run.
-
-    Returns:
-        The summary, the plant's log if it has any motion, and why the file could not be written.
     """
     try:
         log = read_run_log(run)
@@ -52,8 +40,11 @@ def conclude(
         log = None
     evaluation = None if log is None else evaluate(log, deployment)
     summary = summarise(deployment, run, outcome, log, evaluation, again)
-    problem = save(run / SUMMARY, lambda file: file.write_text(summary.to_json(), encoding="utf-8"))
-    return summary, log, problem
+    text = summary.to_json()
+    said = [save(run / "summary.json", lambda file: file.write_text(text, encoding="utf-8"))]
+    if plot and log is not None:
+        said.append(_draw(log, deployment, summary))
+    return summary, "\n".join(filter(None, said))
 
 
 def _draw(log: RunLog, deployment: Deployment, summary: Summary) -> str:
@@ -61,6 +52,6 @@ def _draw(log: RunLog, deployment: Deployment, summary: Summary) -> str:
         from runtime.results.plots import draw
     except ImportError:
         return "  no plot without matplotlib: pip install 'msma[plots]'"
-    file = summary.run / PLOT
+    file = summary.run / "path.png"
     problem = save(file, lambda file: draw(log, deployment, summary.events, file))
     return problem or f"  plot: {file}"

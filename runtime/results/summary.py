@@ -15,7 +15,6 @@ from runtime.results.evaluation import SETTLING, Evaluation, PlatformMotion, Tra
 from runtime.results.logs import read_log
 from runtime.results.outcome import RunEvent, RunOutcome
 from runtime.results.run_log import RunLog
-from runtime.watching.roster import Row
 from runtime.watching.table import columns, distance, milliseconds
 from runtime.wire.messages import Spread
 from runtime.wire.topics import PLANT
@@ -29,7 +28,6 @@ class ProcessSummary:
     """The processes of one role.
 
     Attributes:
-        role: The role.
         host: The host of the last process; empty if it published no diagnostics.
         pids: All processes of the role, oldest first.
         restarts: How often a process was restarted.
@@ -53,14 +51,12 @@ class Summary:
     """How a run went.
 
     Attributes:
-        robot: Name of the robot.
         code: The exit code of the launcher.
         headline: The outcome in one sentence.
         tolerance: Largest error at the end that counts as reaching the goal [m].
         evaluation: How well it went; None if the plant logged no motion.
         events: Faults, failures and restarts, in the order of plant time.
         processes: The processes of each role.
-        run: The run's folder.
         again: The command that repeats the run.
     """
 
@@ -93,20 +89,22 @@ class Summary:
         return "\n".join(lines)
 
     def _facts(self) -> list[tuple[str, str]]:
+        events = [(f"  {one.t:.2f} s", one.text) for one in self.events]
+        if self.evaluation is None:
+            return events
         facts = []
-        if self.evaluation and self.evaluation.tracking:
+        if self.evaluation.tracking:
             facts += _of_hand(self.evaluation.tracking, self.tolerance)
-        if self.evaluation and self.evaluation.by_sensors:
+        if self.evaluation.by_sensors:
             facts.append(("  motion", "as the sensors measured it: this plant knows no truth"))
-        if self.evaluation and self.evaluation.platform:
+        if self.evaluation.platform:
             facts += _of_platform(self.evaluation.platform)
-        for joint in self.evaluation.joints if self.evaluation else ():
+        for joint in self.evaluation.joints:
             if "elbow" in joint.name:
                 end, least = (math.degrees(abs(a)) for a in (joint.final, joint.straightest))
                 what = f"{end:.1f} deg off straight at the end, {least:.1f} deg at least"
                 facts.append((f"  {joint.name}", what))
-        facts += [(f"  {one.t:.2f} s", one.text) for one in self.events]
-        return facts
+        return facts + events
 
 
 def summarise(
@@ -146,15 +144,14 @@ def _outcome(
     if log is None or evaluation is None:
         failed = INTERRUPTED if outcome.code == INTERRUPTED else FAILED
         return failed, f"the robot never moved: {outcome.reason}"
-    end = log.end
     if outcome.code == INTERRUPTED:
         return INTERRUPTED, f"interrupted at {evaluation.t:.2f} s"
     if deployment.duration is not None and evaluation.t < deployment.duration - 1e-9:
         when = f"at {evaluation.t:.2f} s of {deployment.duration:g} s"
         if outcome.view.t > deployment.duration - 1e-9:
             return FAILED, f"the plant went on, but its log ends {when}: is the disk full?"
-        why = end.get("reason", "its process was killed")
-        code = FAILED if end.get("code", FAILED) == FAILED else INTERRUPTED
+        why = log.end.get("reason", "its process was killed")
+        code = FAILED if log.end.get("code", FAILED) == FAILED else INTERRUPTED
         return code, f"the plant ended {when}: {why}"
     if evaluation.tracking is None:
         return OK, f"ran to {evaluation.t:.2f} s"
@@ -182,22 +179,17 @@ def _reached(tracking: Tracking, t: float, tolerance: float) -> tuple[int, str]:
 
 
 def _of_hand(tracking: Tracking, tolerance: float) -> list[tuple[str, str]]:
-    share = f"{100 * tracking.within:.1f} % of that time"
-    within = f"within {distance(tolerance)} for {share}"
+    within = f"within {distance(tolerance)} for {100 * tracking.within:.1f} % of that time"
     if tracking.since is not None:
         within += f", for good since {tracking.since:.2f} s"
-    return [
-        ("  hand", f"{distance(tracking.worst)} off at worst after {SETTLING:g} s"),
-        ("", within),
-    ]
+    worst = f"{distance(tracking.worst)} off at worst after {SETTLING:g} s"
+    return [("  hand", worst), ("", within)]
 
 
 def _of_platform(platform: PlatformMotion) -> list[tuple[str, str]]:
     backwards = "went backwards" if platform.reversed else "never went backwards"
-    heading, hand, yaw = (
-        f"{math.degrees(angle):.1f} deg"
-        for angle in (platform.heading, platform.to_hand, platform.arm_yaw)
-    )
+    angles = platform.heading, platform.to_hand, platform.arm_yaw
+    heading, hand, yaw = (f"{math.degrees(angle):.1f} deg" for angle in angles)
     return [
         ("  platform", f"{backwards}: {platform.least_speed:.3f} m/s at least"),
         ("", f"heading {heading}; the hand {hand} off it, joint 1 at {yaw}"),
@@ -236,13 +228,12 @@ def _recovery(run: Path, log: RunLog, started: Mapping[str, Any]) -> str:
 
 
 def _processes(deployment: Deployment, run: Path, outcome: RunOutcome) -> list[ProcessSummary]:
-    rows: dict[str, Row] = {row.role: row for row in outcome.view.rows}
-    plant = rows.get(PLANT)
-    answers = plant.diag.answers if plant is not None and plant.diag is not None else {}
+    diags = {row.role: row.diag for row in outcome.view.rows if row.diag is not None}
+    answers = diags[PLANT].answers if PLANT in diags else {}
     processes = []
     members = [one for one in deployment.processes if outcome.host in (None, one.host)]
     for role, count in Counter(one.role for one in members).items():
-        diag = rows[role].diag if role in rows else None
+        diag = diags.get(role)
         pids = tuple(line["pid"] for line in read_log(run, role, "start"))
         processes.append(
             ProcessSummary(
@@ -259,10 +250,7 @@ def _processes(deployment: Deployment, run: Path, outcome: RunOutcome) -> list[P
 
 
 def _line(process: ProcessSummary) -> tuple[str, ...]:
-    counts: dict[str, int] = {}
-    for reasons in process.refused.values():
-        for reason, count in reasons.items():
-            counts[reason] = counts.get(reason, 0) + count
+    counts = sum(map(Counter, process.refused.values()), Counter[str]())
     return (
         process.role,
         str(process.pids[-1]) if process.pids else "",

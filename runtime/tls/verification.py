@@ -5,7 +5,7 @@ import socket
 import ssl
 import time
 from contextlib import suppress
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from runtime.config.deployment import Deployment
 from runtime.config.tree import ConfigError
@@ -17,14 +17,7 @@ _INVALID_PURPOSE = 26  # X509_V_ERR_INVALID_PURPOSE of OpenSSL
 
 
 class Certificate(NamedTuple):
-    """The content of a certificate.
-
-    Attributes:
-        name: The name of its owner.
-        addresses: The addresses at which its owner can be reached.
-        begin: Start of validity [s since 1970].
-        end: End of validity [s since 1970].
-    """
+    """Name and addresses of a certificate's owner, and its validity period [s since 1970]."""
 
     name: str
     addresses: tuple[str, ...]
@@ -41,10 +34,7 @@ def read(credentials: Credentials) -> Certificate:
     server = _context(ssl.PROTOCOL_TLS_SERVER, credentials)
     client = _context(ssl.PROTOCOL_TLS_CLIENT, credentials)
     there, back = ssl.MemoryBIO(), ssl.MemoryBIO()
-    ends = (
-        client.wrap_bio(back, there),
-        server.wrap_bio(there, back, server_side=True),
-    )
+    ends = client.wrap_bio(back, there), server.wrap_bio(there, back, server_side=True)
     certificate = credentials.certificate
     try:
         for end in (*ends, *ends):  # each side sends twice
@@ -57,7 +47,14 @@ def read(credentials: Credentials) -> Certificate:
         raise ConfigError(f"{what}: {error.verify_message}") from None
     except ssl.SSLError as error:
         raise ConfigError(f"{certificate} cannot be used: {error.reason}") from None
-    return _content(ends[0].getpeercert() or {})
+    content: Any = ends[0].getpeercert()
+    subject = dict(pair for part in content["subject"] for pair in part)
+    return Certificate(
+        name=subject.get("commonName", ""),
+        addresses=tuple(_plain(text) for _, text in content.get("subjectAltName", ())),
+        begin=ssl.cert_time_to_seconds(content["notBefore"]),
+        end=ssl.cert_time_to_seconds(content["notAfter"]),
+    )
 
 
 def _context(protocol: int, credentials: Credentials) -> ssl.SSLContext:
@@ -66,36 +63,14 @@ def _context(protocol: int, credentials: Credentials) -> ssl.SSLContext:
     context.verify_mode = ssl.CERT_REQUIRED
     context.verify_flags |= _NO_CHECK_TIME
     try:
+        what = f"{credentials.authority} is not a certificate"
         context.load_verify_locations(credentials.authority)
-    except (ssl.SSLError, OSError) as error:
-        raise ConfigError(
-            f"{credentials.authority} is not a certificate: {_reason(error)}"
-        ) from None
-    try:
+        what = f"{credentials.certificate} and {credentials.private_key} are not a key pair"
         context.load_cert_chain(credentials.certificate, credentials.private_key, password="")
-    except (ssl.SSLError, OSError) as error:
-        both = f"{credentials.certificate} and {credentials.private_key}"
-        raise ConfigError(f"{both} are not a key pair: {_reason(error)}") from None
+    except OSError as error:
+        reason = error.reason if isinstance(error, ssl.SSLError) else error.strerror
+        raise ConfigError(f"{what}: {reason or error}") from None
     return context
-
-
-def _reason(error: OSError) -> str:
-    return (error.reason if isinstance(error, ssl.SSLError) else error.strerror) or str(error)
-
-
-def _content(certificate: "ssl._PeerCertRetDictType") -> Certificate:
-    names = [
-        str(pair[1])
-        for part in certificate.get("subject", ())
-        for pair in part
-        if pair[0] == "commonName"
-    ]
-    return Certificate(
-        name=names[0] if names else "",
-        addresses=tuple(_plain(str(one[1])) for one in certificate.get("subjectAltName", ())),
-        begin=ssl.cert_time_to_seconds(str(certificate["notBefore"])),
-        end=ssl.cert_time_to_seconds(str(certificate["notAfter"])),
-    )
 
 
 def _plain(address: str) -> str:
@@ -118,10 +93,8 @@ def verify(credentials: Credentials, address: str, now: float) -> Certificate:
     if now > found.end:
         raise ConfigError(f"{file} expired on {day(found.end)}")
     if now < found.begin:
-        raise ConfigError(
-            f"{file} is not valid before {day(found.begin)}, and it is {day(now)} here: "
-            f"is the clock right?"
-        )
+        when = f"{day(found.begin)}, and it is {day(now)} here"
+        raise ConfigError(f"{file} is not valid before {when}: is the clock right?")
     if _plain(address) not in found.addresses:
         known = ", ".join(found.addresses) or "none"
         raise ConfigError(f"{file} is for another address than {address}: {known}")
