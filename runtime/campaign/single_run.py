@@ -10,27 +10,13 @@ from runtime.config.deployment import load
 from runtime.errors import RunError
 from runtime.launching.launcher import Launcher
 from runtime.results.finishing import close
-from runtime.watching.watcher import View
-
-
-class _NoScreen:
-    """A screen that shows nothing."""
-
-    def happened(self, t: float, text: str) -> None:
-        """Do nothing."""
-
-    def show(self, view: View) -> None:
-        """Do nothing."""
-
-    def close(self) -> None:
-        """Do nothing."""
 
 
 def main(run: Path) -> int:
     """Launch the run, and write its `summary.json`."""
     deployment = load(run / "deployment.yaml")
     try:
-        outcome = Launcher(deployment, run, _NoScreen).go()
+        outcome = Launcher(deployment, run, lambda: None).go()
     except RunError as error:
         print(error)
         return 1

@@ -104,7 +104,7 @@ class FaultInjector:
             self._happened(f"{role} is not there to be killed")
             return
         self._note("kill", role, pids=pids)
-        self._send(self._control.kill, role, pids, signal.SIGKILL)
+        self._send(role, pids, signal.SIGKILL)
 
     def _hang(self, event: ChaosEvent, role: str) -> None:
         pids = self._pids(role)
@@ -114,14 +114,12 @@ class FaultInjector:
         lasting = "" if event.for_ is None else f" for {event.for_:g} s"
         self._happened(f"{role} hangs{lasting}")
         self._note("hang", role, pids=pids)
-        if (
-            os.getpid() in pids and event.for_ is not None
-        ):  # a process that hangs cannot resume itself
+        if role == LAUNCHER and event.for_ is not None:  # which cannot resume itself
             waking = f"sleep {event.for_ / self._deployment.speed:f}; kill -CONT {os.getpid()}"
             subprocess.Popen(["sh", "-c", waking], start_new_session=True)
         else:
             self.hung[event] = pids
-        self._send(self._control.hang, role, pids, signal.SIGSTOP)
+        self._send(role, pids, signal.SIGSTOP)
 
     def _revive(self, role: str) -> None:
         called = round(time.time(), 6)  # starting it is a part of what its return takes
@@ -138,24 +136,18 @@ class FaultInjector:
         if not pids:
             return
         self._note("wake", event.target, pids=pids)
-        self._send(self._control.resume, event.target, pids, signal.SIGCONT)
+        self._send(event.target, pids, signal.SIGCONT)
         self._happened(f"{event.target} goes on")
 
-    def _send(
-        self,
-        act: Callable[[str, list[int]], None],
-        role: str,
-        pids: list[int],
-        number: signal.Signals,
-    ) -> None:
-        """Act on processes; the launcher and the watchers are not among those of `Control`."""
+    def _send(self, role: str, pids: list[int], number: signal.Signals) -> None:
+        """Send a signal; the launcher and the watchers are not among the processes of `Control`."""
         if role == LAUNCHER:
             os.kill(os.getpid(), number)
         elif role == WATCHER:
             for watcher in watchers(self._deployment.robot):
                 watcher.send(number)
         else:
-            act(role, pids)
+            self._control.send(role, pids, number)
 
     def _note(self, action: str, target: str, **more: object) -> None:
         """Log what is about to be done, at once: this process may be the next one to end."""

@@ -7,10 +7,11 @@ import secrets
 import sys
 import time
 from pathlib import Path
+from signal import SIGKILL
 
 from runtime.chaos.injector import ANSWER, FaultInjector
 from runtime.chaos.schedule import Schedule
-from runtime.config.deployment import Deployment, load
+from runtime.config.deployment import load
 from runtime.processes.lifetime import Lifetime
 from runtime.processes.log_writer import LogWriter
 from runtime.results.logs import read_log
@@ -49,27 +50,16 @@ def inherit(run: Path, t: float) -> None:
         for event in begun:
             if event.hang is not None:
                 injector.hung[event] = _hung(run, event.hang)
+        life = Lifetime.of(deployment, watcher.clock)
         try:
-            _stay(deployment, schedule, watcher, injector)
+            while not life.over(time.monotonic()) and not life.timed_out(time.monotonic()):
+                for due in schedule.due(watcher.look().t):
+                    injector.carry_out(due)
+                time.sleep(_TURN)
         finally:
             for event, pids in injector.hung.items():
-                control.kill(event.target, pids)  # nothing else would end what hangs
+                control.send(event.target, pids, SIGKILL)  # nothing else would end what hangs
             log.close()
-
-
-def _stay(
-    deployment: Deployment, schedule: Schedule, watcher: Watcher, injector: FaultInjector
-) -> None:
-    life = Lifetime(
-        watcher.clock,
-        patience=deployment.patience,
-        duration=deployment.duration,
-        speed=deployment.speed,
-    )
-    while not life.over(time.monotonic()) and not life.timed_out(time.monotonic()):
-        for due in schedule.due(watcher.look().t):
-            injector.carry_out(due)
-        time.sleep(_TURN)
 
 
 def _hung(run: Path, role: str) -> list[int]:

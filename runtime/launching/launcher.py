@@ -66,7 +66,8 @@ class Launcher:
     Args:
         deployment: The deployment.
         run: The run's folder.
-        make_screen: Called once the processes have started, because its imports take time.
+        make_screen: Returns what shows the run, if anything. Called once the processes have
+            started, because its imports take time.
         network: Carries out chaos between hosts; None if nothing can.
         processes: Starts and ends processes; by default on this machine.
         host: The host whose processes it starts; by default all.
@@ -76,7 +77,7 @@ class Launcher:
         self,
         deployment: Deployment,
         run: Path,
-        make_screen: "Callable[[], Screen]",
+        make_screen: "Callable[[], Screen | None]",
         network: Network | None = None,
         processes: ProcessGroup | None = None,
         host: str | None = None,
@@ -112,8 +113,9 @@ class Launcher:
                     self._loop(self._chaos(), Display(screen, refusals))
                     self._finish()
                 finally:
-                    screen.close()
                     self._journal.screen = None
+                    if screen is not None:
+                        screen.close()
         code, reason = self._shutdown.code, self._shutdown.reason or ""
         return RunOutcome(code, reason, self._view, tuple(self._journal.events), self._host)
 
@@ -161,10 +163,7 @@ class Launcher:
 
     def _loop(self, *reactions: Callable[[View], None]) -> None:
         """React to what is seen until the run is over, nothing is left, or it is interrupted."""
-        of = self._deployment
-        life = Lifetime(
-            self._watcher.clock, patience=of.patience, duration=of.duration, speed=of.speed
-        )
+        life = Lifetime.of(self._deployment, self._watcher.clock)
         while self._processes and not self._shutdown.wait(_TURN):
             self._view = self._watcher.look()
             self._journal.t = self._view.t
@@ -203,7 +202,7 @@ class Launcher:
 class Display:
     """Shows what is seen, a few times a second."""
 
-    def __init__(self, screen: "Screen", refusals: ConnectionLog | None) -> None:
+    def __init__(self, screen: "Screen | None", refusals: ConnectionLog | None) -> None:
         self._screen, self._refusals = screen, refusals
         self._next = 0.0  # [s] on the monotonic clock, when it shows the next picture
 
@@ -212,6 +211,7 @@ class Display:
         now = time.monotonic()
         if now >= self._next:
             self._next = now + _FRAME
-            self._screen.show(view)
+            if self._screen is not None:
+                self._screen.show(view)
             if self._refusals is not None:
                 self._refusals.look()

@@ -33,24 +33,19 @@ class Links:
 
     Args:
         rng: The source of jitter and loss.
+
+    Attributes:
+        impairments: What impairs the traffic now.
     """
 
     def __init__(self, rng: random.Random) -> None:
         self._rng = rng
-        self._impairments: dict[str, Impairment] = {}
+        self.impairments: list[Impairment] = []
         self._last: dict[tuple[str, str], float] = {}
-
-    def begin(self, name: str, impairment: Impairment) -> None:
-        """Impair the traffic until `end` is called with the same name."""
-        self._impairments[name] = impairment
-
-    def end(self, name: str) -> None:
-        """Remove an impairment."""
-        self._impairments.pop(name, None)
 
     def due(self, sender: str, receiver: str, now: float) -> float | None:
         """Return when a packet sent `now` [s] arrives [s]; None if it is lost."""
-        current = [one for one in self._impairments.values() if one.concerns(sender, receiver)]
+        current = [one for one in self.impairments if one.concerns(sender, receiver)]
         if any(one.action == "partition" or self._rng.random() < one.share for one in current):
             return None
         delay = sum(one.time + self._rng.uniform(-one.jitter, one.jitter) for one in current)

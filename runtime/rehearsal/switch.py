@@ -4,7 +4,6 @@ It ends with its launcher, when the other end of the control socket closes.
 """
 
 import heapq
-import json
 import os
 import random
 import selectors
@@ -14,8 +13,8 @@ import sys
 import time
 from contextlib import suppress
 from itertools import count
-from typing import Any
 
+import msgspec
 from setproctitle import setproctitle
 
 from runtime.rehearsal.links import Impairment, Links
@@ -91,19 +90,10 @@ def main() -> None:
                     request = control.recv(_MAX_FRAME)
                     if not request:
                         return
-                    _handle(links, json.loads(request))
+                    links.impairments = msgspec.json.decode(request, type=list[Impairment])
                     control.send(b"done")
                 elif not switch.receive(key.data):
                     ready.unregister(key.fileobj)
-
-
-def _handle(links: Links, request: dict[str, Any]) -> None:
-    """Begin or end an impairment, as `VirtualNetwork` requests."""
-    if impairment := request.get("impairment"):
-        hosts = frozenset(impairment.pop("hosts"))
-        links.begin(request["name"], Impairment(hosts=hosts, **impairment))
-    else:
-        links.end(request["name"])
 
 
 if __name__ == "__main__":

@@ -1,7 +1,6 @@
 """The virtual hosts of a rehearsal, each in namespaces of its own, and the switch between them."""
 
 import ipaddress
-import json
 import os
 import shutil
 import socket
@@ -11,10 +10,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Self
 
+import msgspec
+
 from runtime.config.chaos import LAUNCHER, WATCHER, ChaosEvent
 from runtime.config.deployment import Deployment
 from runtime.config.tree import ConfigError
 from runtime.errors import RunError
+from runtime.rehearsal.links import Impairment
 from runtime.rehearsal.tap import enter_new_network, open_tap
 from runtime.spawning.remote import out_of
 from runtime.spawning.tasks import environment, python
@@ -43,6 +45,7 @@ class VirtualNetwork:
         self.deployment = _addressed(deployment)
         self.hosts: dict[str, subprocess.Popen[bytes]] = {}
         self._stack = ExitStack()
+        self._impairing: list[ChaosEvent] = []
 
     def build(self, run: Path) -> None:
         """Create the hosts; their error output goes to the run's folder."""
@@ -97,17 +100,27 @@ class VirtualNetwork:
 
     def begin(self, event: ChaosEvent) -> None:
         """Begin a partition, a delay or a loss for the event's hosts."""
-        numbers = {name: getattr(event, name) or 0.0 for name in ("time", "jitter", "share")}
-        impairment = {"action": event.action, "hosts": event.hosts, **numbers}
-        self._request(name=repr(event), impairment=impairment)
+        self._impairing.append(event)
+        self._impair()
 
     def end(self, event: ChaosEvent) -> None:
         """End what `begin` began for the event."""
-        self._request(name=repr(event))
+        self._impairing.remove(event)
+        self._impair()
 
-    def _request(self, **request: object) -> None:
-        """Send a request to the switch, and wait until it is done."""
-        self._control.send(json.dumps(request).encode())
+    def _impair(self) -> None:
+        """Send all impairments to the switch, and wait until it has them."""
+        impairments = [
+            Impairment(
+                one.action,
+                frozenset(one.hosts),
+                time=one.time or 0.0,
+                jitter=one.jitter or 0.0,
+                share=one.share or 0.0,
+            )
+            for one in self._impairing
+        ]
+        self._control.send(msgspec.json.encode(impairments))
         self._control.recv(16)
 
     def __enter__(self) -> Self:

@@ -1,6 +1,7 @@
 """Kill the process of a role on this host with SIGKILL."""
 
 import argparse
+from signal import SIGKILL
 
 from runtime.errors import RunError
 from runtime.spawning.local import LocalProcesses
@@ -26,6 +27,6 @@ def run(args: argparse.Namespace) -> int:
         pids = control.processes_of(args.role)
         if not pids:
             raise RunError(f"no process of {args.role} runs here")
-        control.kill(args.role, pids)
+        control.send(args.role, pids, SIGKILL)
     print(f"killed {args.role}, process {pids[0]}")
     return 0

@@ -57,17 +57,10 @@ class Control:
         """Return the id of a role's process, of copies that of the one obeyed; none if none is."""
         return self._processes.obeyed(role)
 
-    def kill(self, role: str, pids: list[int]) -> None:
-        """Kill processes of a role, as a crash would."""
-        self._signal(role, pids, signal.SIGKILL)
-
-    def hang(self, role: str, pids: list[int]) -> None:
-        """Stop processes of a role where they are, until they are resumed."""
-        self._signal(role, pids, signal.SIGSTOP)
-
-    def resume(self, role: str, pids: list[int]) -> None:
-        """Let processes of a role go on."""
-        self._signal(role, pids, signal.SIGCONT)
+    def send(self, role: str, pids: list[int], number: signal.Signals) -> None:
+        """Send a signal to processes of a role: SIGKILL, SIGSTOP to let them hang, or SIGCONT."""
+        for pid in pids:
+            self._processes.send(role, pid, number)
 
     def revive(self, role: str, host: str) -> int:
         """Start one more process for a role whose host that is, and return its id.
@@ -76,7 +69,3 @@ class Control:
             RunError: It cannot be started.
         """
         return self._processes.revive(role, host)
-
-    def _signal(self, role: str, pids: list[int], number: signal.Signals) -> None:
-        for pid in pids:
-            self._processes.send(role, pid, number)

@@ -2,7 +2,6 @@
 
 import sys
 import time
-from typing import Protocol
 
 from rich.console import Console, Group, RenderableType
 from rich.live import Live
@@ -16,59 +15,24 @@ from runtime.watching.watcher import View
 _LINE = 1.0  # [s] between two plain lines
 
 
-class Screen(Protocol):
-    """Shows people what happens."""
-
-    def happened(self, t: float, text: str) -> None:
-        """Something happened at plant time `t` [s]."""
-
-    def show(self, view: View) -> None:
-        """This is to be seen now."""
-
-    def close(self) -> None:
-        """Leave the terminal as it was."""
-
-
-def open_screen(duration: float | None) -> Screen:
+def open_screen(duration: float | None) -> "Screen":
     """Return what suits the output; `duration` is of the run [s], None if it has none."""
-    return LiveTable(duration) if sys.stdout.isatty() else PlainLines(duration)
+    return LiveTable(duration) if sys.stdout.isatty() else Screen(duration)
 
 
-class LiveTable:
-    """A progress bar and a table that stay in place; what happens scrolls by above them."""
-
-    def __init__(self, duration: float | None) -> None:
-        self._duration = duration
-        self._console = Console(highlight=False)
-        self._live = Live(console=self._console, auto_refresh=False, transient=True)
-        self._live.start()
-
-    def happened(self, t: float, text: str) -> None:
-        """Something happened at plant time `t` [s]."""
-        self._console.print(Text(_event(t, text), style="bold yellow"))
-
-    def show(self, view: View) -> None:
-        """Draw it."""
-        self._live.update(picture(view, self._duration), refresh=True)
-
-    def close(self) -> None:
-        """Leave the terminal as it was."""
-        self._live.stop()
-
-
-class PlainLines:
-    """A line a second, and one for each thing that happens."""
+class Screen:
+    """Shows people what happens: a line a second, and one for each event."""
 
     def __init__(self, duration: float | None) -> None:
         self._duration = duration
         self._next = 0.0
 
     def happened(self, t: float, text: str) -> None:
-        """Something happened at plant time `t` [s]."""
+        """Show what happened at plant time `t` [s]."""
         say(_event(t, text))
 
     def show(self, view: View) -> None:
-        """Print it, unless the last line was printed just before."""
+        """Print the view, unless the last line was printed just before."""
         now = time.monotonic()
         if now >= self._next:
             self._next = now + _LINE
@@ -76,7 +40,29 @@ class PlainLines:
             say(f"{_progress(view, self._duration)}  {there} processes alive")
 
     def close(self) -> None:
-        """There is nothing to do."""
+        """Leave the terminal as it was."""
+
+
+class LiveTable(Screen):
+    """A progress bar and a table that stay in place; what happens scrolls by above them."""
+
+    def __init__(self, duration: float | None) -> None:
+        super().__init__(duration)
+        self._console = Console(highlight=False)
+        self._live = Live(console=self._console, auto_refresh=False, transient=True)
+        self._live.start()
+
+    def happened(self, t: float, text: str) -> None:
+        """Show what happened at plant time `t` [s]."""
+        self._console.print(Text(_event(t, text), style="bold yellow"))
+
+    def show(self, view: View) -> None:
+        """Draw the view."""
+        self._live.update(picture(view, self._duration), refresh=True)
+
+    def close(self) -> None:
+        """Leave the terminal as it was."""
+        self._live.stop()
 
 
 def picture(view: View, duration: float | None) -> RenderableType:

@@ -10,8 +10,7 @@ PAIRS = [(one, other) for one in HOSTS for other in HOSTS if one != other]
 
 def links(*impairments: Impairment) -> Links:
     links = Links(random.Random(1))
-    for index, impairment in enumerate(impairments):
-        links.begin(str(index), impairment)
+    links.impairments = list(impairments)
     return links
 
 
@@ -29,7 +28,7 @@ def test_hosts_of_a_partition_reach_each_other_and_no_others(cut: set[str]) -> N
 
 def test_an_impairment_can_be_ended() -> None:
     network = links(Impairment("partition", frozenset({"arm"})))
-    network.end("0")
+    network.impairments.clear()
     assert network.due("arm", "robot", 1.0) == 1.0
 
 
