@@ -48,7 +48,7 @@ class FaultInjector:
     Args:
         deployment: What runs.
         control: Acts on the processes and the plant.
-        watcher: Tells the plant time for the log.
+        watcher: Knows the plant time for the log.
         log: Gets a line for each event.
         show: Shows people a text; what happened is logged elsewhere too.
         happened: Shows people a text, and logs it.

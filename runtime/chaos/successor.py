@@ -50,7 +50,12 @@ def inherit(run: Path, t: float) -> None:
         for event in begun:
             if event.hang is not None:
                 injector.hung[event] = _hung(run, event.hang)
-        life = Lifetime.of(deployment, watcher.clock)
+        life = Lifetime(
+            watcher.clock,
+            patience=deployment.patience,
+            duration=deployment.duration,
+            speed=deployment.speed,
+        )
         try:
             while not life.over(time.monotonic()) and not life.timed_out(time.monotonic()):
                 for due in schedule.due(watcher.look().t):

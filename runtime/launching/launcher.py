@@ -20,7 +20,7 @@ from runtime.launching.presence import Presence
 from runtime.processes.lifetime import Lifetime, Shutdown
 from runtime.results.outcome import RunOutcome
 from runtime.spawning.escalation import end_all
-from runtime.spawning.local import LocalProcesses, ProcessExit, ProcessGroup
+from runtime.spawning.local import LocalProcesses, ProcessGroup
 from runtime.spawning.registry import RegisteredRun, begin_run, forget, register
 from runtime.tls.verification import verify_all
 from runtime.watching.control import Control
@@ -97,15 +97,21 @@ class Launcher:
 
         Whatever happens, no process that was started is left when this returns.
         """
+        of = self._deployment
         self._shutdown.catch_signals()
-        register(RegisteredRun.of(self._deployment, self._run))
+        register(RegisteredRun.of(of, self._run))
         with ExitStack() as cleanup:  # goes through all steps, also when one raises
-            cleanup.callback(forget, self._deployment.robot, self._run)
+            cleanup.callback(forget, of.robot, self._run)
             cleanup.callback(self._processes.tidy)
             cleanup.callback(self._journal.log.close)
-            cleanup.callback(self._end)
+            cleanup.callback(end_all, self._processes)
+            cleanup.callback(self._kill_at_interrupt)
             self._processes.start(self._members)
-            with self._watch_refusals() as refusals, self._join() as bus:
+            place, credentials = of.mesh.visitor(), of.credentials(OPERATOR)
+            with (
+                self._watch_refusals() as refusals,
+                Bus(of.robot, "launcher", place, 0, credentials) as bus,
+            ):
                 self._watcher = Watcher(bus)
                 self._control = Control(bus, self._processes, ANSWER)
                 screen = self._journal.screen = self._make_screen()
@@ -127,11 +133,6 @@ class Launcher:
             return
         with ConnectionLog(Refusals(self._journal.refused), lambda *_: None) as log:
             yield log
-
-    def _join(self) -> Bus:
-        deployment = self._deployment
-        place, credentials = deployment.mesh.visitor(), deployment.credentials(OPERATOR)
-        return Bus(deployment.robot, "launcher", place, 0, credentials)
 
     def _chaos(self) -> Callable[[View], None]:
         """Return what carries out the chaos that is due."""
@@ -163,7 +164,10 @@ class Launcher:
 
     def _loop(self, *reactions: Callable[[View], None]) -> None:
         """React to what is seen until the run is over, nothing is left, or it is interrupted."""
-        life = Lifetime.of(self._deployment, self._watcher.clock)
+        of = self._deployment
+        life = Lifetime(
+            self._watcher.clock, patience=of.patience, duration=of.duration, speed=of.speed
+        )
         while self._processes and not self._shutdown.wait(_TURN):
             self._view = self._watcher.look()
             self._journal.t = self._view.t
@@ -180,7 +184,9 @@ class Launcher:
         """Give the processes time to end by themselves, unless interrupted, and then end them."""
         interrupted = self._shutdown.reason is not None
         all_here = len(self._members) == len(self._deployment.processes)
-        self._end(
+        self._kill_at_interrupt()
+        end_all(
+            self._processes,
             after=0.0 if interrupted else _AMPLE,
             # another run may have the name, and is not asked to stop
             ask=self._control.stop if all_here and not self._presence.starting else None,
@@ -188,15 +194,9 @@ class Launcher:
         )
         self._shutdown.ask("the run is over")
 
-    def _end(
-        self,
-        after: float = 0.0,
-        ask: Callable[[], object] | None = None,
-        ended: Callable[[ProcessExit], None] = lambda one: None,
-    ) -> None:
-        """Wait until no process is left, and from `after` [s] on end them; kill at Ctrl-C."""
+    def _kill_at_interrupt(self) -> None:
+        """From now on, Ctrl-C kills the processes at once."""
         signal.signal(signal.SIGINT, lambda *_: self._processes.signal(signal.SIGKILL))
-        end_all(self._processes, after=after, ask=ask, ended=ended)
 
 
 class Display:

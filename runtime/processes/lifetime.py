@@ -6,7 +6,7 @@ import select
 import signal
 from contextlib import suppress
 from types import FrameType
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING
 
 from runtime.wire import topics
 from runtime.wire.arbitration import TopicInput
@@ -14,7 +14,6 @@ from runtime.wire.messages import JointStates
 from runtime.wire.refusals import Refusals
 
 if TYPE_CHECKING:  # `msma validate` needs no Zenoh
-    from runtime.config.deployment import Deployment
     from runtime.wire.bus import Bus
 
 _FRESH = 1.0  # [s]: more than between two looks at the clock
@@ -128,16 +127,6 @@ class Lifetime:
         self._patience = patience
         self._duration = math.inf if duration is None else duration
         self._speed = speed
-
-    @classmethod
-    def of(cls, deployment: "Deployment", clock: PlantClock) -> Self:
-        """Return that of a process of a deployment."""
-        return cls(
-            clock,
-            patience=deployment.patience,
-            duration=deployment.duration,
-            speed=deployment.speed,
-        )
 
     def over(self, now: float) -> bool:
         """Return whether the run has reached its end, or would have, `now` [s]."""

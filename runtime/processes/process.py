@@ -56,7 +56,7 @@ class Process(Context):
         self.t = 0.0
         self.life: Lifetime | None = None
         if self.role != topics.PLANT:  # which waits for none
-            self.life = Lifetime.of(deployment, PlantClock(time.monotonic()))
+            self.life = self._lifetime(PlantClock(time.monotonic()))
         self._rate = 0.0
         self._scheduled = ""  # what `status` is to add
         self._diags = count(1)
@@ -80,6 +80,10 @@ class Process(Context):
             raise ConfigError(f"scheduling: realtime is not granted to {self.role}; `msma doctor`")
         return granted
 
+    def _lifetime(self, clock: PlantClock) -> Lifetime:
+        of = self.deployment
+        return Lifetime(clock, patience=of.patience, duration=of.duration, speed=of.speed)
+
     @property
     def robot(self) -> Robot:
         """The description of the robot."""
@@ -88,7 +92,7 @@ class Process(Context):
     def follow_plant(self) -> None:
         """Read plant time from the bus, for a node that does not take it from the messages."""
         self._bus_clock = BusClock(self.bus, time.monotonic())
-        self.life = Lifetime.of(self.deployment, self._bus_clock)
+        self.life = self._lifetime(self._bus_clock)
 
     def __enter__(self) -> Self:
         return self

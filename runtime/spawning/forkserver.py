@@ -63,7 +63,7 @@ class ForkServer:
             os.waitpid(self._pid, 0)
 
     def start(self, task: Task) -> ChildProcess:
-        """Start a process; `OSError` if what it has to say cannot be written."""
+        """Start a process; `OSError` if its output cannot be written."""
         task.out.touch()  # a fork could not report that it cannot write
         pid = self.ask("start", str(task.run), task.role, task.copy)
         return start(task) if pid is None else _Copy(self, pid)
@@ -98,7 +98,7 @@ class _Copy:
 
     def poll(self) -> int | None:
         """Return its exit code, negative for a signal; None while it lives."""
-        if self._handle is not None and _is_readable(self._handle):  # which it is once it has ended
+        if self._handle is not None and select.select([self._handle], [], [], 0)[0]:  # it has ended
             os.close(self._handle)
             self._handle = None
             code = self._forkserver.ask("reap", self.pid)
@@ -110,12 +110,6 @@ class _Copy:
         if self._handle is not None:
             with suppress(ProcessLookupError):
                 signal.pidfd_send_signal(self._handle, number)
-
-
-def _is_readable(handle: int) -> bool:
-    poll = select.poll()
-    poll.register(handle, select.POLLIN)
-    return bool(poll.poll(0))
 
 
 def copied(do: Callable[[], int]) -> int:
@@ -138,10 +132,7 @@ def copied(do: Callable[[], int]) -> int:
 
 
 def _can_be_copied() -> bool:
-    """Tell whether this process has one thread only, and the system tells when any process ends.
-
-    False where that cannot be found out.
-    """
+    """Return whether this process is known to have one thread only, on a system with pidfds."""
     try:
         os.close(os.pidfd_open(os.getpid()))
         return len(os.listdir("/proc/self/task")) == 1
@@ -150,7 +141,7 @@ def _can_be_copied() -> bool:
 
 
 def _tend(role: str | None, ours: socket.socket, line: socket.socket) -> int:
-    """Be the forkserver: do what is asked for until nobody can ask any more.
+    """Be the forkserver: answer requests until its creator has gone.
 
     Args:
         role: See `ForkServer`.

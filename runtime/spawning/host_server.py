@@ -162,7 +162,7 @@ class _HostServer:
         self._say(what, number=self._number, **more)
 
     def _say(self, what: str, **more: object) -> None:
-        """Send a line, into nothing if nobody reads any more."""
+        """Send a line, into nothing if the other end is closed."""
         line = json.dumps({"said": what, **more}).encode() + b"\n"
         with suppress(BrokenPipeError):
             while line:

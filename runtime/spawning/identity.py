@@ -7,9 +7,8 @@ import os
 import signal
 import socket
 import time
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, NamedTuple, Self
+from typing import NamedTuple, Self
 
 from runtime.results.logs import read_log
 from runtime.wire.topics import PLANT
@@ -84,8 +83,15 @@ def start_line(role: str, robot: str, run: Path) -> dict[str, object]:
 
 def processes_in(run: Path, role: str) -> list[ProcessId]:
     """Return the processes of a role in a run that live on this host, by its log; newest last."""
-    lines = read_log(run, role, "start")
-    return [found for line in lines if (found := _process_of(line, role, run)) is not None]
+    here = (role, os.path.realpath(run), socket.gethostname())
+    found = []
+    for line in read_log(run, role, "start"):
+        pid, started = line.get("pid"), line.get("started")
+        if (line.get("role"), line.get("run"), line.get("host")) != here:
+            continue
+        if isinstance(pid, int) and isinstance(started, int | float):
+            found.append(ProcessId(pid, started))
+    return [process for process in found if process.lives()]
 
 
 def obeyed_in(run: Path, role: str) -> ProcessId | None:
@@ -101,15 +107,3 @@ def obeyed_in(run: Path, role: str) -> ProcessId | None:
                 pid = starts.get(line["by"])
                 return next((one for one in processes if one.pid == pid), processes[-1])
     return processes[-1] if processes else None
-
-
-def _process_of(line: Mapping[str, Any], role: str, run: Path) -> ProcessId | None:
-    """Return the process that wrote a start line, if it lives here, in that role and run."""
-    wanted = (role, os.path.realpath(run), socket.gethostname())
-    if (line.get("role"), line.get("run"), line.get("host")) != wanted:
-        return None
-    pid, started = line.get("pid"), line.get("started")
-    if not (isinstance(pid, int) and isinstance(started, int | float)):
-        return None
-    process = ProcessId(pid, started)
-    return process if process.lives() else None

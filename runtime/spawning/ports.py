@@ -8,8 +8,7 @@ from collections.abc import Iterator
 from runtime.wire import topics
 from runtime.wire.bus import Bus
 from runtime.wire.mesh import ALL_BASES, LOOPBACK, SLOTS, Address, Endpoints
-from runtime.wire.messages import Diag, unpack
-from runtime.wire.refusals import MessageError
+from runtime.wire.messages import Diag, unpack_valid
 
 _LOOKED_AT = 8  # ports of each robot: of plant, goal and the first agents
 _ANSWER = 1.0  # [s]
@@ -63,12 +62,8 @@ def robots_at(*bases: int) -> set[str]:
         return set()
     with Bus(None, "a tool", Endpoints(Address(LOOPBACK, 0), dials), random.getrandbits(63)) as bus:
         answers = bus.ask(f"*/{topics.EVERY_DIAG}", timeout=_ANSWER)
-    found = set()
-    for answer in answers:
-        try:
-            diag = unpack(Diag, answer.data)
-        except MessageError:
-            continue
-        if diag.host == socket.gethostname():
-            found.add(answer.key.partition("/")[0])
-    return found
+    return {
+        answer.key.partition("/")[0]
+        for answer in answers
+        if (diag := unpack_valid(Diag, answer.data)) and diag.host == socket.gethostname()
+    }

@@ -68,7 +68,7 @@ class RegisteredRun(msgspec.Struct, frozen=True):
         return any(processes_in(self.folder, role_of_file(log.stem)) for log in logs)
 
     def distrust(self) -> str | None:
-        """Return why another user may have changed its files, None if nobody else can."""
+        """Return why another user may have changed its files, None if none can."""
         return distrust(self.deployment) or distrust_modules(self.modules)
 
 

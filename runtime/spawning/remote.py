@@ -17,7 +17,7 @@ from typing import Any
 from runtime.config.deployment import Deployment, ProcessSpec, load
 from runtime.errors import RunError
 from runtime.spawning.local import ProcessExit
-from runtime.spawning.tasks import LOST
+from runtime.spawning.tasks import LOST, last_line, remove_empty_outputs
 from runtime.tls.key_files import read_files, with_local_files
 from runtime.wire.topics import PLANT
 
@@ -133,12 +133,8 @@ class _Host:
 
     def complaint(self) -> str:
         """Return the last line of its error output, as the reason why it is gone."""
-        with suppress(OSError, StopIteration):
-            lines = self._out.read_text(encoding="utf-8", errors="replace").split("\n")
-            found = (line.strip() for line in reversed(lines))
-            # `unshare` prints "sigprocmask" alone if the process in it is killed
-            return next(line for line in found if line and "sigprocmask" not in line)
-        return "it is gone"
+        # `unshare` prints only a line with "sigprocmask" if the process in it is killed
+        return last_line(self._out, without="sigprocmask") or "it is gone"
 
 
 class RemoteProcesses:
@@ -266,9 +262,7 @@ class RemoteProcesses:
             except subprocess.TimeoutExpired:
                 host.process.kill()
                 host.process.wait()
-        for out in self._run.glob("*.out"):
-            if out.stat().st_size == 0:
-                out.unlink()
+        remove_empty_outputs(self._run)
 
     def _keep(self, said: dict[str, Any]) -> None:
         name = Path(said.get("name", "")).name

@@ -14,7 +14,7 @@ from typing import NamedTuple, Protocol
 from runtime.wire.topics import file_name
 
 LOST = 255
-"""Stands for the exit code of a process of which nobody here can say how it ended."""
+"""Stands for the exit code of a process of which it is not known here how it ended."""
 
 _SOURCES = Path(__file__).parents[2]
 
@@ -45,17 +45,30 @@ class Task(NamedTuple):
 
     @property
     def out(self) -> Path:
-        """Where it writes what it has to say."""
+        """The file of its output."""
         return self.run / f"{file_name(self.role)}.out"
 
     @property
     def said(self) -> str:
-        """What it said last, in one line."""
-        try:
-            text = self.out.read_text(encoding="utf-8", errors="replace")
-        except OSError:
-            return ""
-        return next((line.strip() for line in reversed(text.split("\n")) if line.strip()), "")
+        """The last line of its output."""
+        return last_line(self.out)
+
+
+def last_line(out: Path, without: str | None = None) -> str:
+    """Return the last line of a process's output that is not empty and does not contain a text."""
+    try:
+        lines = out.read_text(encoding="utf-8", errors="replace").split("\n")
+    except OSError:
+        return ""
+    found = (line.strip() for line in reversed(lines) if without is None or without not in line)
+    return next(filter(None, found), "")
+
+
+def remove_empty_outputs(run: Path) -> None:
+    """Remove the files of those processes of a run that wrote nothing."""
+    for out in run.glob("*.out"):
+        if out.exists() and out.stat().st_size == 0:
+            out.unlink()
 
 
 class ChildProcess(Protocol):

@@ -1,4 +1,4 @@
-"""Whether nobody but this user (or root) can change a file, which ssh asks of its keys too."""
+"""Whether only this user (or root) can change a file, which ssh asks of its keys too."""
 
 import grp
 import os
@@ -8,7 +8,7 @@ from pathlib import Path
 
 
 def distrust(path: Path) -> str | None:
-    """Return why another user may change what is at an absolute path; None if nobody else can.
+    """Return why another user may change what is at an absolute path; None if none can.
 
     That goes for the file or folder, and for each folder that it is in.
     """

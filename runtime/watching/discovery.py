@@ -125,17 +125,17 @@ def _port_of(robot: str) -> int:
     return usual
 
 
-def _somebody(bus: Bus, target: Target) -> bool:
-    """Tell whether anybody is there, once all had time to connect.
+def _anything_connects(bus: Bus, target: Target) -> bool:
+    """Return whether any process is there, once all had time to connect.
 
     On the same machine they usually have when a session is open, but not if it is busy or if they
     check certificates. A process that hangs does not connect.
     """
     began = time.monotonic()
-    while not (there := bool(bus.who_is_alive(_ANSWER))) or bus.links < _processes(target):
+    while not (there := bool(bus.who_is_alive(_ANSWER))) or bus.links < _listening(target):
         if time.monotonic() > began + (_FEW_CONNECT if there else _NONE_CONNECTS):
             break
-        if target.mesh.addresses == (LOOPBACK,) and not _processes(target):
+        if target.mesh.addresses == (LOOPBACK,) and not _listening(target):
             break
         time.sleep(0.02)
     if target.credentials is not None:
@@ -143,8 +143,8 @@ def _somebody(bus: Bus, target: Target) -> bool:
     return there
 
 
-def _processes(target: Target) -> int:
-    """Return how many of the places that a tool dials are taken, on this machine."""
+def _listening(target: Target) -> int:
+    """Return how many of the endpoints that a tool dials are in use, on this machine."""
     return sum(listens(*there) for there in target.mesh.visitor().dials)
 
 
@@ -154,7 +154,7 @@ def visit(target: Target) -> Iterator[Bus]:
     mesh = target.mesh
     incarnation = random.getrandbits(63)
     with Bus(target.robot, "a tool", mesh.visitor(), incarnation, target.credentials) as bus:
-        if not _somebody(bus, target):
+        if not _anything_connects(bus, target):
             where = f"ports {mesh.base} and up of {', '.join(mesh.addresses)}"
             hint = "" if target.credentials else f"; {_BY_FILE}"
             raise RunError(f"nothing of robot {target.robot} runs ({where}){hint}")

@@ -1,4 +1,4 @@
-"""What the processes of a robot say of themselves, and which of them run on this host."""
+"""The diagnostics that the processes of a robot answer, and which of them run on this host."""
 
 import os
 import socket
@@ -8,21 +8,15 @@ from runtime.spawning.identity import ProcessId, processes_in
 from runtime.watching.discovery import Target
 from runtime.wire import topics
 from runtime.wire.bus import Bus
-from runtime.wire.messages import Diag, unpack
-from runtime.wire.refusals import MessageError
+from runtime.wire.messages import Diag, unpack_valid
 
 _ANSWER = 1.0  # [s]
 
 
 def diags(bus: Bus, role: str = "**") -> list[Diag]:
     """Query the diagnostics of a role, or of all; return those that answer."""
-    found = []
-    for answer in bus.ask(topics.diag(role), timeout=_ANSWER):
-        try:
-            found.append(unpack(Diag, answer.data))
-        except MessageError:
-            continue
-    return found
+    answers = bus.ask(topics.diag(role), timeout=_ANSWER)
+    return [diag for one in answers if (diag := unpack_valid(Diag, one.data))]
 
 
 def check_is_here(bus: Bus, role: str) -> None:

@@ -1,15 +1,16 @@
-"""Who is there, for people to see (rule 7: nobody else is told). Pure: told what is seen, and when.
+"""Which processes there are, for people to see. Pure: events and their times are passed in.
 
-Liveliness only shows; whether anybody is obeyed is judged by the one who obeys (rule 3).
+Liveliness is for showing only; arbitration does not use it (rule 3).
 """
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import NamedTuple
 
 from runtime.wire import topics
 from runtime.wire.messages import Diag, Spread
 
-FLICKER = 0.5  # [s]: who was gone no longer than that has been there all along
+FLICKER = 0.5  # [s]: an absence no longer than that does not count
 _KEPT = 256  # processes, however many a flood makes up
 
 
@@ -22,7 +23,6 @@ class Row(NamedTuple):
         alive: Whether its liveliness token is there.
         since: Since when that is so [s, the watcher's clock].
         diag: Its last diagnostics; None before the first.
-        heard: When they arrived [s, the watcher's clock].
         answer: Latency of its answers to the plant, as measured there; None if it does not answer.
     """
 
@@ -31,7 +31,6 @@ class Row(NamedTuple):
     alive: bool
     since: float
     diag: Diag | None
-    heard: float
     answer: Spread | None
 
     @property
@@ -42,27 +41,32 @@ class Row(NamedTuple):
         return sum(sum(reasons.values()) for reasons in self.diag.refused.values())
 
 
+@dataclass
 class _Entry:
     """What is known of one incarnation."""
 
-    def __init__(self, role: str, now: float) -> None:
-        self.role = role
-        self.came = now
-        self.announced = False  # by a token, which no mere message can make up
-        self.went: float | None = None
-        self.diag: Diag | None = None
-        self.heard = now
+    role: str
+    came: float
+    reported: float
+    announced: bool = False  # by a token, which no mere message can make up
+    went: float | None = None
+    diag: Diag | None = None
+
+    @property
+    def worth(self) -> tuple[bool, bool, float]:
+        """What sorts those to be kept after those never announced, gone, or silent for longest."""
+        return (self.announced, self.went is None, self.reported)
 
 
 class Roster:
-    """The table of processes, from liveliness tokens and what they say of themselves."""
+    """The table of processes, from liveliness tokens and diagnostics."""
 
     def __init__(self) -> None:
         self._entries: dict[int, _Entry] = {}  # by incarnation, as they were first seen
         self._answers: Mapping[str, Spread] = {}
 
     def token(self, key: str, there: bool, now: float) -> None:
-        """A token came (or was there already), or went, `now` [s]."""
+        """Take a token that appeared (or was there already), or disappeared, `now` [s]."""
         who = topics.who_is_alive(key)
         if who is None:
             return
@@ -77,36 +81,23 @@ class Roster:
             entry.went = None
 
     def diag(self, diag: Diag, now: float) -> None:
-        """A process said `now` [s] how it is."""
+        """Take the diagnostics that a process published `now` [s]."""
         entry = self._entry(diag.role, diag.by, now)
-        entry.diag, entry.heard = diag, now
+        entry.diag, entry.reported = diag, now
         if diag.role == topics.PLANT and entry.announced:
             self._answers = diag.answers
 
     def _entry(self, role: str, incarnation: int, now: float) -> _Entry:
-        entry = self._entries.get(incarnation)
-        if entry is None:
+        if incarnation not in self._entries:
             if len(self._entries) >= _KEPT:
-                self._forget_one()
-            entry = self._entries[incarnation] = _Entry(role, now)
-        return entry
-
-    def _forget_one(self) -> None:
-        """Forget who was never announced, who has gone, or who said nothing for longest."""
-        least = min(
-            self._entries,
-            key=lambda by: (
-                self._entries[by].announced,
-                self._entries[by].went is None,
-                self._entries[by].heard,
-            ),
-        )
-        del self._entries[least]
+                del self._entries[min(self._entries, key=lambda by: self._entries[by].worth)]
+            self._entries[incarnation] = _Entry(role, now, now)
+        return self._entries[incarnation]
 
     def rows(self) -> list[Row]:
-        """Return all who are there now, and of each role of which nobody is the last one.
+        """Return all processes alive now, and of each role without one the last.
 
-        Who only says so, without a token, is not there.
+        A process without a token does not count, whatever it publishes.
         """
         rows = [self._row(by) for by, entry in self._entries.items() if entry.announced]
         there = {row.role for row in rows if row.alive}
@@ -119,7 +110,7 @@ class Roster:
         alive = entry.went is None
         since = entry.came if entry.went is None else entry.went
         answer = self._answers.get(entry.role) if alive else None
-        return Row(entry.role, incarnation, alive, since, entry.diag, entry.heard, answer)
+        return Row(entry.role, incarnation, alive, since, entry.diag, answer)
 
 
 def order(role: str) -> tuple[int, str, int]:

@@ -18,9 +18,9 @@ from runtime.wire.messages import (
     JointStates,
     PlatformPose,
     Position,
-    unpack,
+    unpack_valid,
 )
-from runtime.wire.refusals import MessageError, Refusals
+from runtime.wire.refusals import Refusals
 
 _FRESH = 1.0  # [s] for which a state is shown that is no longer published
 _AT_ONCE = 8
@@ -91,12 +91,9 @@ class Watcher:
         self._changed.clear()
 
     def _on_diag(self, key: str, data: bytes) -> None:
-        try:
-            diag = unpack(Diag, data)
-        except MessageError:
+        diag = unpack_valid(Diag, data)
+        if diag is None or topics.diag(diag.role) != key:
             return  # it is shown as silent, which it is
-        if topics.diag(diag.role) != key:
-            return
         with self._lock:
             self._roster.diag(diag, time.monotonic())
 

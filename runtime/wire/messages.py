@@ -242,6 +242,14 @@ def unpack(kind: type[M], data: bytes) -> M:
     return message
 
 
+def unpack_valid(kind: type[M], data: bytes) -> M | None:
+    """Return the message of that kind in `data`; None if it is not one."""
+    try:
+        return unpack(kind, data)
+    except MessageError:
+        return None
+
+
 def _reason(error: str, wire: Mapping[Any, Any]) -> Reason:
     """Return the reason for a refusal, by the words of msgspec."""
     said = error.partition(" - at ")[0]
