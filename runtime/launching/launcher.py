@@ -5,8 +5,8 @@ No process needs it: once they run, it may be killed and the others go on.
 
 import signal
 import time
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -32,9 +32,7 @@ from runtime.wire.topics import PLANT
 from runtime.wire.zenoh_internals.connection_log import ConnectionLog
 
 if TYPE_CHECKING:
-    from runtime.watching.screen import (
-        Screen,  # imports rich: not before the processes are started
-    )
+    from runtime.watching.screen import Screen  # imports rich, after the processes are started
 
 _TURN = 0.02  # [s] between two looks at the processes and at plant time
 _FRAME = 0.25  # [s] between two pictures
@@ -107,32 +105,21 @@ class Launcher:
             cleanup.callback(end_all, self._processes)
             cleanup.callback(self._kill_at_interrupt)
             self._processes.start(self._members)
+            refusals = None
+            if of.security is not None:  # log the connections that are refused
+                connections = ConnectionLog(Refusals(self._journal.refused), lambda *_: None)
+                refusals = cleanup.enter_context(connections)
             place, credentials = of.mesh.visitor(), of.credentials(OPERATOR)
-            with (
-                self._watch_refusals() as refusals,
-                Bus(of.robot, "launcher", place, 0, credentials) as bus,
-            ):
-                self._watcher = Watcher(bus)
-                self._control = Control(bus, self._processes, ANSWER)
-                screen = self._journal.screen = self._make_screen()
-                try:
-                    self._loop(self._chaos(), Display(screen, refusals))
-                    self._finish()
-                finally:
-                    self._journal.screen = None
-                    if screen is not None:
-                        screen.close()
+            bus = cleanup.enter_context(Bus(of.robot, "launcher", place, 0, credentials))
+            self._watcher = Watcher(bus)
+            self._control = Control(bus, self._processes, ANSWER)
+            screen = self._journal.screen = self._make_screen()
+            if screen is not None:
+                cleanup.callback(screen.close)
+            self._loop(self._chaos(), Display(screen, refusals))
+            self._finish()
         code, reason = self._shutdown.code, self._shutdown.reason or ""
         return RunOutcome(code, reason, self._view, tuple(self._journal.events), self._host)
-
-    @contextmanager
-    def _watch_refusals(self) -> "Iterator[ConnectionLog | None]":
-        """Log the connections that are refused meanwhile, where certificates are asked for."""
-        if self._deployment.security is None:
-            yield None
-            return
-        with ConnectionLog(Refusals(self._journal.refused), lambda *_: None) as log:
-            yield log
 
     def _chaos(self) -> Callable[[View], None]:
         """Return what carries out the chaos that is due."""

@@ -27,7 +27,7 @@ _LEAVE = 2.0  # [s] for the other end to go when it is asked no more
 
 
 class HostProcesses:
-    """The processes of one host, from what the host says in whatever order it arrives.
+    """The processes of one host, by its messages in whatever order they arrive.
 
     Attributes:
         pids: Role and id of each process that lives there, the newest last.
@@ -35,10 +35,10 @@ class HostProcesses:
 
     def __init__(self, name: str) -> None:
         self.pids: list[tuple[str, int]] = []
-        self._name = name
+        self.name = name
 
     def take(self, said: Mapping[str, Any]) -> list[ProcessExit]:
-        """Take a message of the host, and return the processes that it says have ended.
+        """Take a message of the host, and return the processes that have ended by it.
 
         The end of a process that is not known to live is ignored: it was given up before.
         """
@@ -51,18 +51,18 @@ class HostProcesses:
 
     def lose(self, why: str) -> list[ProcessExit]:
         """Give up all processes there, and return them as ended."""
-        what = f"host {self._name}: {why}"
+        what = f"host {self.name}: {why}"
         lost = [ProcessExit(role, pid, LOST, what) for role, pid in self.pids]
         self.pids.clear()
         return lost
 
 
-class _Host:
-    """One host: requests go out, and a thread of its own takes in what it says."""
+class _Host(HostProcesses):
+    """A host's processes, and requests to it; a thread of its own receives its answers."""
 
     def __init__(self, name: str, process: "subprocess.Popen[bytes]", out: Path) -> None:
-        self.name, self.process, self._out = name, process, out
-        self.processes = HostProcesses(name)
+        super().__init__(name)
+        self.process, self._out = process, out
         self._said: queue.SimpleQueue[dict[str, Any]] = queue.SimpleQueue()
         self._ended: list[ProcessExit] = []  # that `ended` has not returned yet
         self._requests = itertools.count(1)
@@ -127,9 +127,9 @@ class _Host:
         return ended
 
     def _take(self, said: dict[str, Any]) -> None:
-        self._ended += self.processes.take(said)
+        self._ended += self.take(said)
         if said["said"] == "gone":
-            self._ended += self.processes.lose(self.complaint())
+            self._ended += self.lose(self.complaint())
 
     def complaint(self) -> str:
         """Return the last line of its error output, as the reason why it is gone."""
@@ -214,13 +214,12 @@ class RemoteProcesses:
 
     def obeyed(self, role: str) -> list[int]:
         """Return the id of a role's process, of copies that of the one on the last host."""
-        everywhere = [host.processes.pids for host in self._hosts.values()]
-        pids = [pid for there in everywhere for one, pid in there if one == role]
+        pids = [pid for host in self._hosts.values() for one, pid in host.pids if one == role]
         return pids[-1:]
 
     def send(self, role: str, pid: int, number: signal.Signals) -> None:
         """Send a signal to one of a role's processes."""
-        having = [host for host in self._hosts.values() if (role, pid) in host.processes.pids]
+        having = [host for host in self._hosts.values() if (role, pid) in host.pids]
         for host in having[-1:]:
             host.request("signal", signal=int(number), role=role, pid=pid)
 
@@ -238,11 +237,11 @@ class RemoteProcesses:
             ended += host.ended()
             if time.monotonic() > self._given_up:
                 why = "it does not answer, so what runs there ends by itself"
-                ended += host.processes.lose(why)
+                ended += host.lose(why)
         return ended
 
     def __len__(self) -> int:
-        return sum(len(host.processes.pids) for host in self._hosts.values())
+        return sum(len(host.pids) for host in self._hosts.values())
 
     def tidy(self) -> None:
         """Bring back what the hosts have written, leave nothing there, and let them go."""

@@ -114,15 +114,14 @@ class Watcher:
             for arrival in goals.waiting(_AT_ONCE):
                 self._goal.accept(arrival.key, arrival.data, now)
         t, pose, message = self.clock.look(now), self._hand.fresh(now), self._goal.selected(now)
-        goal = error = None
-        if message is not None:
-            goal = goal_at(message, t)
+        goal = None if message is None else goal_at(message, t)
+        error = None
         if pose is not None and message is not None:
             error = math.dist(pose.position, goal_at(message, pose.t))
             self._worst = max(self._worst or 0.0, error)
         with self._lock:
             rows = self._roster.rows()
-        hand = pose.position if pose is not None else None
+        hand = None if pose is None else pose.position
         joints, platform = self._joints.fresh(now), self._platform.fresh(now)
         return View(t, hand, goal, error, self._worst, rows, joints, platform, message)
 
