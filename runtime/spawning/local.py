@@ -9,7 +9,7 @@ from typing import NamedTuple, Protocol
 from runtime.config.deployment import ProcessSpec
 from runtime.spawning.forkserver import ForkServer
 from runtime.spawning.identity import obeyed_in, processes_in
-from runtime.spawning.tasks import LOST, ChildProcess, Task, remove_empty_outputs
+from runtime.spawning.tasks import LOST, ChildProcess, Task, remove_empty
 
 
 class ProcessExit(NamedTuple):
@@ -83,6 +83,7 @@ class LocalProcesses:
         self.run = run
         self._forkserver = ForkServer() if forkserver is None else forkserver
         self._living: list[tuple[Task, ChildProcess]] = []
+        self._outs: set[Path] = set()
 
     def start(self, processes: Iterable[ProcessSpec]) -> None:
         """Start some processes, all at once."""
@@ -95,6 +96,7 @@ class LocalProcesses:
         return self._start(Task(role, self.run, home if copy else None)).pid
 
     def _start(self, task: Task) -> ChildProcess:
+        self._outs.add(task.out)
         child = self._forkserver.start(task)
         self._living.append((task, child))
         return child
@@ -142,6 +144,6 @@ class LocalProcesses:
         return len(self._living)
 
     def tidy(self) -> None:
-        """Remove empty output files; no more processes are started then."""
+        """Remove the empty output files; no more processes are started then."""
         self._forkserver.close()
-        remove_empty_outputs(self.run)
+        remove_empty(self._outs)

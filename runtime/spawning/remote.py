@@ -17,7 +17,7 @@ from typing import Any
 from runtime.config.deployment import Deployment, ProcessSpec, load
 from runtime.errors import RunError
 from runtime.spawning.local import ProcessExit
-from runtime.spawning.tasks import LOST, last_line, remove_empty_outputs
+from runtime.spawning.tasks import LOST, last_line, remove_empty
 from runtime.tls.key_files import read_files, with_local_files
 from runtime.wire.topics import PLANT
 
@@ -261,7 +261,7 @@ class RemoteProcesses:
             except subprocess.TimeoutExpired:
                 host.process.kill()
                 host.process.wait()
-        remove_empty_outputs(self._run)
+        remove_empty(self._run.glob("*.out"))
 
     def _keep(self, said: dict[str, Any]) -> None:
         name = Path(said.get("name", "")).name

@@ -7,7 +7,7 @@ file, so that neither a Ctrl-C nor the death of its parent reaches it.
 import os
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import NamedTuple, Protocol
 
@@ -64,9 +64,9 @@ def last_line(out: Path, without: str | None = None) -> str:
     return next(filter(None, found), "")
 
 
-def remove_empty_outputs(run: Path) -> None:
-    """Remove the files of those processes of a run that wrote nothing."""
-    for out in run.glob("*.out"):
+def remove_empty(outs: Iterable[Path]) -> None:
+    """Remove the output files of those processes that wrote nothing."""
+    for out in outs:
         if out.exists() and out.stat().st_size == 0:
             out.unlink()
 
