@@ -5,10 +5,13 @@ from itertools import product
 from pathlib import Path
 from typing import NamedTuple
 
+import numpy as np
+
+from agents.agent import Array
 from bench.bench import Bench, Check, Result, Table
 from bench.launched import launched
 from bench.msma_runs import ARPH, deployed
-from runtime.results.gaps import arrivals, longest
+from runtime.results.gaps import arrivals
 from runtime.results.run_log import RunLog, read_run_log
 from runtime.wire.topics import GOAL_SOURCE, PLATFORM_AGENT
 from studies.study import Progress, Row
@@ -37,6 +40,21 @@ class FaultGap(NamedTuple):
     victim: str
     own: float | None
     others: float
+
+
+def longest(times: Array, since: float, until: float) -> float:
+    """Return the longest gap between arrival `times` that overlaps `since` to `until`, all [s].
+
+    The gap after the last arrival counts, up to `until`.
+    """
+    first = max(int(np.searchsorted(times, since, side="right")) - 1, 0)
+    last = int(np.searchsorted(times, until, side="left"))
+    seen = times[first : last + 1]
+    if len(seen) == 0 or seen[-1] < until:
+        seen = np.append(seen, until)
+    if seen[0] > since:
+        seen = np.append(since, seen)
+    return float(np.diff(seen).max(initial=0.0))
 
 
 class GapBench(Bench):

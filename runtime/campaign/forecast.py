@@ -9,7 +9,6 @@ as within reach. Joints that never moved are assumed to be held on purpose.
 """
 
 from collections import Counter
-from collections.abc import Iterable
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -21,7 +20,6 @@ from plant.faults import Fault
 from plant.kinematic import KinematicPlant
 from plant.plant import Commands, Setup
 from runtime.chaos.schedule import Due, Schedule
-from runtime.config.chaos import ChaosEvent
 from runtime.config.deployment import Deployment
 from runtime.config.specs import parts_of
 from runtime.results.reach import smallest_distance
@@ -64,7 +62,11 @@ def forecast(deployment: Deployment, path: Path, duration: float) -> Forecast:
     processes = _AgentTeam(deployment)
     start, robot = deployment.start, deployment.description.robot
     plant = KinematicPlant(Setup(robot, start.joints, start.base, period=deployment.period))
-    schedule = Schedule(_late(deployment.chaos, _STARTING * deployment.speed))
+    starting = _STARTING * deployment.speed
+    schedule = Schedule(
+        event if event.revive is None else replace(event, at=event.at + starting)
+        for event in deployment.chaos
+    )
     goal = path.piece(0.0)
     moved = np.zeros(robot.n)
     faults: dict[str, str] = {}  # the kind of each target's fault
@@ -97,14 +99,6 @@ def forecast(deployment: Deployment, path: Path, duration: float) -> Forecast:
             roams=PLATFORM_AGENT in alive,
         ),
     )
-
-
-def _late(events: Iterable[ChaosEvent], starting: float) -> list[ChaosEvent]:
-    """Return the events with restarts delayed by the time that a process takes to start [s]."""
-    return [
-        event if event.revive is None else replace(event, at=event.at + starting)
-        for event in events
-    ]
 
 
 def _distance(here: Array, there: Array) -> float:

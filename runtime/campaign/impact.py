@@ -4,10 +4,9 @@ Everything is read from logs after the run, so that a killed launcher does not m
 """
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -77,7 +76,11 @@ class Impact:
 
 def measure_impact(deployment: Deployment, run: Path, log: RunLog) -> Impact:
     """Measure the impact of the faults in a run that has a goal, by the logs in its folder."""
-    return _Measurement(deployment, run, log).impact()
+    logs = _Measurement(deployment, run, log)
+    longest = {
+        role: float((gaps[:, 1] - gaps[:, 0]).max(initial=0.0)) for role, gaps in logs.gaps.items()
+    }
+    return Impact(tuple(logs.faults()), longest)
 
 
 class _Measurement:
@@ -97,38 +100,26 @@ class _Measurement:
         times = zip(roles, arrivals(log, deployment.period), strict=True)
         agents = {agent.role for agent in deployment.agents}
         self._arrivals = {role: seen for role, seen in times if role in agents and len(seen) > 1}
-        self._gaps = {
+        self.gaps = {
             role: _gaps(seen, self._downtimes(role, seen)) for role, seen in self._arrivals.items()
         }
 
-    def impact(self) -> Impact:
-        faults = tuple(
-            self._impact_of(line, self._chaos[:index], self._chaos[index + 1 :])
-            for index, line in enumerate(self._chaos)
-            if line["action"] in _ENDS
-        )
-        longest = {
-            role: float((gaps[:, 1] - gaps[:, 0]).max(initial=0.0))
-            for role, gaps in self._gaps.items()
-        }
-        return Impact(faults, longest)
+    def faults(self) -> Iterator[FaultImpact]:
+        for index, line in enumerate(self._chaos):
+            if line["action"] in _ENDS:
+                yield self._impact_of(index)
 
-    def _impact_of(
-        self,
-        line: Mapping[str, Any],
-        earlier: Sequence[Mapping[str, Any]],
-        later: Sequence[Mapping[str, Any]],
-    ) -> FaultImpact:
-        role, t, log = str(line["target"]), float(line["t"]), self._log
-        gaps = [(_longest_near(g, t), other) for other, g in self._gaps.items() if other != role]
-        gap, gap_role = max(
-            ((gap, who) for gap, who in gaps if gap is not None), default=(None, "")
-        )
-        restart = next((x for x in later if x["target"] == role and x["action"] in _STARTS), None)
+    def _impact_of(self, index: int) -> FaultImpact:
+        line, log = self._chaos[index], self._log
+        role, t = str(line["target"]), float(line["t"])
+        earlier = [x["action"] for x in self._chaos[:index] if x["target"] == role]
+        later = (x for x in self._chaos[index + 1 :] if x["target"] == role)
+        restart = next((x for x in later if x["action"] in _STARTS), None)
+        near = [(_longest_near(g, t), other) for other, g in self.gaps.items() if other != role]
+        gap, gap_role = max((one for one in near if one[0] is not None), default=(None, ""))
         until = np.inf if restart is None else restart["wall"] + _LEASE
         seen = (x["wall"] - x["ago"] for x in self._gone if x["role"] == role and x["wall"] < until)
-        actions = [x["action"] for x in earlier if x["target"] == role]
-        change = sum((action in _STARTS) - (action in _ENDS) for action in actions)
+        change = sum((action in _STARTS) - (action in _ENDS) for action in earlier)
         silence = recovery = None
         if role in self._arrivals:
             times = self._arrivals[role]

@@ -34,8 +34,6 @@ class CampaignReport:
     """A campaign and what it measured.
 
     Attributes:
-        deployment: The deployment that was run.
-        runs: The runs that were completed.
         command: The command that repeats a run, without its seed.
     """
 
@@ -60,32 +58,28 @@ class CampaignReport:
         faults = [fault for run in self.runs for fault in run.impact.faults]
         killed, hung = ([f for f in faults if f.action == action] for action in ("kill", "hang"))
         lines = [
-            _lengths("error at the end", (run.error for run in self.runs)),
+            _line("error at the end", (run.error for run in self.runs), distance),
             self._gaps("gap in other agents' commands after a kill", (f.gap for f in killed)),
             self._gaps("gap in other agents' commands after a hang", (f.gap for f in hung)),
-            _times("time until a kill was detected", (f.detected for f in killed)),
-            _times("time until a hang was detected", (f.detected for f in hung)),
-            _times("restart until the first accepted command", (f.recovery for f in killed)),
-            _times("SIGCONT until the first accepted command", (f.recovery for f in hung)),
+            _line("time until a kill was detected", (f.detected for f in killed), _ms),
+            _line("time until a hang was detected", (f.detected for f in hung), _ms),
+            _line("restart until the first accepted command", (f.recovery for f in killed), _ms),
+            _line("SIGCONT until the first accepted command", (f.recovery for f in hung), _ms),
             self._gaps("gap until a standby took over", (f.silence for f in faults if f.standbys)),
         ]
         for role in sorted({role for run in self.runs for role in run.impact.gaps}, key=order):
             gaps = (run.impact.gaps.get(role) for run in self.runs)
             lines.append(self._gaps(f"{role}: longest gap while alive", gaps))
-        for action, role in sorted(
-            {(f.action, f.role) for f in faults}, key=lambda x: (x[0], order(x[1]))
-        ):
+        kinds = {(f.action, f.role) for f in faults}
+        for action, role in sorted(kinds, key=lambda kind: (kind[0], order(kind[1]))):
             error = (f.error for f in faults if (f.action, f.role) == (action, role))
-            lines.append(_lengths(f"error in the 3 s after a {action} of {role}", error))
+            lines.append(_line(f"error in the 3 s after a {action} of {role}", error, distance))
         return [line for line in lines if line[3] != "0"]
 
     def failures(self) -> list[str]:
         """Return a line for each run that did not reach the goal, with the command to repeat it."""
-        return [
-            f"{_sentence(run)}; repeat: {self._command(run)}"
-            for run in self.runs
-            if run.outcome != "reached"
-        ]
+        missed = (run for run in self.runs if run.outcome != "reached")
+        return [f"{_sentence(run)}; repeat: {self._command(run)}" for run in missed]
 
     def text(self) -> str:
         """Return the report for a terminal."""
@@ -109,15 +103,10 @@ class CampaignReport:
 
     def to_json(self) -> str:
         """Return the report for programs, in SI units."""
-        runs = [
-            asdict(run)
-            | {
-                "folder": str(run.folder),
-                "chaos": [as_options([event]) for event in run.chaos],
-                "command": self._command(run),
-            }
-            for run in self.runs
-        ]
+        runs = []
+        for run in self.runs:
+            chaos = [as_options([event]) for event in run.chaos]
+            runs.append(asdict(run) | {"chaos": chaos, "command": self._command(run)})
         plain = {
             "robot": self.deployment.robot,
             "count": len(self.runs),
@@ -125,7 +114,7 @@ class CampaignReport:
             "interval": wilson(self._count("reached"), len(self.runs)),
             "runs": runs,
         }
-        return json.dumps(plain, indent=2) + "\n"
+        return json.dumps(plain, indent=2, default=str) + "\n"
 
     def _count(self, outcome: str) -> int:
         return sum(run.outcome == outcome for run in self.runs)
@@ -152,12 +141,8 @@ def _sentence(run: CampaignRun) -> str:
     return f"seed {run.seed} {run.outcome}: {run.reason or f'{distance(run.error)} off at the end'}"
 
 
-def _times(what: str, times: Iterable[float | None]) -> Line:
-    return _line(what, times, lambda time: f"{1e3 * time:.0f} ms")
-
-
-def _lengths(what: str, lengths: Iterable[float | None]) -> Line:
-    return _line(what, lengths, distance)
+def _ms(time: float) -> str:
+    return f"{1e3 * time:.0f} ms"
 
 
 def _line(what: str, values: Iterable[float | None], written: Callable[[float], str]) -> Line:

@@ -67,20 +67,16 @@ class ClassName:
                 what = f"{type(error).__name__}: {error}"
                 raise node.error(f"module {module_name} cannot be imported: {what}") from error
             ours = importlib.import_module(cls.base.__module__.partition(".")[0])
-            hint = nearest(
-                module_name,
-                [m.name for m in pkgutil.iter_modules(ours.__path__, f"{ours.__name__}.")],
-            )
+            known = (m.name for m in pkgutil.iter_modules(ours.__path__, f"{ours.__name__}."))
             what = f"there is no module {module_name!r}, neither installed nor in {folder}"
-            raise node.error(what + hint) from None
-        valid: dict[str, Any] = {n: c for n, c in vars(module).items() if cls._fits(c)}
+            raise node.error(what + nearest(module_name, known)) from None
+        valid: dict[str, type[Any]] = {n: c for n, c in vars(module).items() if cls._fits(c)}
         if attribute not in valid:
             base = cls.base.__name__
             derive = f"; derive one from {cls.base.__module__}:{base}"
             hint = valid_are(attribute, valid) if valid else derive
             raise node.error(f"{module_name} has no {base} class {attribute!r}{hint}")
-        found: Callable[..., Any] = valid[attribute]
-        return found
+        return valid[attribute]
 
     @classmethod
     def _fits(cls, candidate: Any) -> bool:

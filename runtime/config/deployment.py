@@ -31,13 +31,7 @@ Port = Annotated[int, Range(such_as="7600", least=1024, most=65536 - SLOTS)]
 
 
 class ProcessSpec(NamedTuple):
-    """A process of a deployment.
-
-    Attributes:
-        role: Its role.
-        host: Name of its host.
-        copy: Whether it is a further process of a role, a standby.
-    """
+    """A process of a deployment; a copy is a further one of a role, a standby."""
 
     role: str
     host: str

@@ -71,11 +71,9 @@ class Rest(NamedTuple):
 
 @dataclass(frozen=True)
 class Field:
-    """A key of a mapping.
+    """A key of a mapping, by the name of the attribute or parameter.
 
     Attributes:
-        name: The name of the attribute or parameter.
-        kind: The kind of its value.
         default: Its default; `MISSING` if there is none, or if it is derived.
         derived: How its default is computed, if it is.
     """
@@ -125,8 +123,6 @@ class Structure(Kind):
     exactly one of these keys must be given. If it has `short`, plain text is the value of that key.
 
     Attributes:
-        type: The dataclass.
-        fields: Its keys.
         rest: The field that takes all other keys, and its annotation.
     """
 

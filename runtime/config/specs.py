@@ -38,7 +38,6 @@ class Description:
 
     Attributes:
         source: Name of one of our robots, or the path of a URDF file.
-        robot: The robot.
     """
 
     source: str

@@ -2,7 +2,7 @@
 
 import socket
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import suppress
 from ipaddress import ip_address
 from typing import NamedTuple
@@ -14,7 +14,7 @@ from runtime.spawning.ports import is_taken
 from runtime.watching.discovery import Target, robots_here
 from runtime.wire import topics
 from runtime.wire.bus import Bus
-from runtime.wire.mesh import SLOTS, Address
+from runtime.wire.mesh import SLOTS
 from runtime.wire.messages import Diag, unpack
 from runtime.wire.refusals import MessageError
 
@@ -56,12 +56,16 @@ def check_robot(target: Target, roles: int) -> Iterator[Finding]:
     yield Finding(Grade.OK, "other robots", ", ".join(others) or "none on this machine")
     found: list[Health] = []
     with Bus(target.robot, "a tool", target.mesh.visitor(), 0, target.credentials) as bus:
-        for topic, health in _ask_all(bus):
-            if health is None:
-                what = f"{topic} is from another version of MSMA; this one is {VERSION}"
+        asked = time.time()
+        answers = bus.ask(topics.EVERY_DIAG, timeout=_TIMEOUT)
+        half = (time.time() - asked) / 2
+        for answer in answers:
+            try:
+                diag = unpack(Diag, answer.data)
+                found.append(Health(diag, diag.clock / 1e6 - asked - half, half))
+            except MessageError:
+                what = f"{answer.key} is from another version of MSMA; this one is {VERSION}"
                 yield Finding(Grade.BAD, "versions", what)
-            else:
-                found.append(health)
     if found:
         yield from check_running(target.robot, found)
         return
@@ -90,21 +94,6 @@ def _is_loopback(address: str) -> bool:
     return False
 
 
-def _ask_all(bus: Bus) -> Iterator[tuple[str, Health | None]]:
-    """Yield topic and content of each process's diagnostics; None if they are malformed."""
-    asked = time.time()
-    answers = bus.ask(topics.EVERY_DIAG, timeout=_TIMEOUT)
-    answered = time.time()
-    for answer in answers:
-        try:
-            diag = unpack(Diag, answer.data)
-        except MessageError:
-            yield answer.key, None
-        else:
-            half = (answered - asked) / 2
-            yield answer.key, Health(diag, diag.clock / 1e6 - asked - half, half)
-
-
 def check_running(robot: str, found: list[Health]) -> Iterator[Finding]:
     """Check a robot that runs: its plant, versions and clocks."""
     roles = ", ".join(sorted({one.diag.role for one in found}))
@@ -117,7 +106,10 @@ def check_running(robot: str, found: list[Health]) -> Iterator[Finding]:
         where = ", ".join(f"process {diag.pid} on {diag.host}" for diag in plants)
         what = f"{len(plants)} plants answer: {where}; rename one of these robots"
         yield Finding(Grade.BAD, robot, what)
-    yield from _versions(one.diag for one in found)
+    for version, host in sorted({(one.diag.version, one.diag.host) for one in found}):
+        if version != VERSION:
+            what = f"{host} has {version}, this machine {VERSION}; install the same version on both"
+            yield Finding(Grade.BAD, "versions", what)
     for host in sorted({one.diag.host for one in found}):
         best = min((one for one in found if one.diag.host == host), key=lambda one: one.uncertainty)
         if abs(best.clock_offset) > _CLOCKS + best.uncertainty:
@@ -126,31 +118,20 @@ def check_running(robot: str, found: list[Health]) -> Iterator[Finding]:
             yield Finding(Grade.WARN, "clocks", what)
 
 
-def _versions(diags: Iterable[Diag]) -> Iterator[Finding]:
-    others = sorted({(diag.version, diag.host) for diag in diags if diag.version != VERSION})
-    for version, host in others:
-        what = f"{host} has {version}, this machine {VERSION}; install the same version on both"
-        yield Finding(Grade.BAD, "versions", what)
-
-
 def _ports(target: Target, roles: int) -> Iterator[Finding]:
     """Check the ports of a robot that does not run, at its addresses on this machine."""
     base = target.mesh.base
     ports = f"{base} to {base + SLOTS - 1}"
     here = [address for address in target.mesh.addresses if not is_taken(0, address)]
-    taken = [
-        Address(address, port)
-        for address in here
-        for port in range(base, base + SLOTS)
-        if is_taken(port, address)
-    ]
+    every = range(base, base + SLOTS)
+    taken = [port for address in here for port in every if is_taken(port, address)]
     if not here:
         where = ", ".join(target.mesh.addresses)
         yield Finding(Grade.WARN, "ports", f"this machine is not one of its hosts: {where}")
     elif not taken:
         yield Finding(Grade.OK, "ports", f"{ports} are free")
     else:
-        wanted = any(port < base + roles for _, port in taken)
-        numbers = ", ".join(str(port) for _, port in taken)
+        grade = Grade.BAD if min(taken) < base + roles else Grade.WARN
+        numbers = ", ".join(map(str, taken))
         detail = f"{numbers} of {ports} are in use by other programs; set `port` in the file"
-        yield Finding(Grade.BAD if wanted else Grade.WARN, "ports", detail)
+        yield Finding(grade, "ports", detail)

@@ -19,21 +19,6 @@ def arrivals(log: RunLog, period: float) -> list[Array]:
     return found
 
 
-def longest(times: Array, since: float, until: float) -> float:
-    """Return the longest gap between arrival `times` that overlaps `since` to `until`, all [s].
-
-    The gap after the last arrival counts, up to `until`.
-    """
-    first = max(int(np.searchsorted(times, since, side="right")) - 1, 0)
-    last = int(np.searchsorted(times, until, side="left"))
-    seen = times[first : last + 1]
-    if len(seen) == 0 or seen[-1] < until:
-        seen = np.append(seen, until)
-    if seen[0] > since:
-        seen = np.append(since, seen)
-    return float(np.diff(seen).max(initial=0.0))
-
-
 def first_after(times: Array, t: float) -> float | None:
     """Return the first of the increasing `times` after `t`, all [s]; None if there is none."""
     index = int(np.searchsorted(times, t, side="right"))

@@ -55,16 +55,9 @@ def _draw_above(axes: Axes, log: RunLog, thin: Array, goal: Array | None) -> Non
         axes.plot(*goal[thin, :2].T, color=_GOAL, ls="--", lw=1, label="goal")
     if np.any(base != base[0]):
         axes.plot(*base[:, :2].T, color=_PLATFORM, label="platform and heading")
-        at = base[np.linspace(0, len(base) - 1, _HEADINGS).astype(int)]
-        axes.quiver(
-            *at[:, :2].T,
-            np.cos(at[:, 2]),
-            np.sin(at[:, 2]),
-            color=_PLATFORM,
-            angles="xy",
-            scale=14,
-            width=0.008,
-        )
+        x, y, heading = base[np.linspace(0, len(base) - 1, _HEADINGS).astype(int)].T
+        ahead = np.cos(heading), np.sin(heading)
+        axes.quiver(x, y, *ahead, color=_PLATFORM, angles="xy", scale=14, width=0.008)
     axes.plot(*hand[-1, :2], "o", color=_HAND)
     axes.set(xlabel="x [m]", ylabel="y [m]", title="from above")
     axes.set_aspect("equal", adjustable="datalim")

@@ -86,19 +86,17 @@ class _Tick(msgspec.Struct):
 class _Columns:
     """The motion as it is read, eight bytes a number: an hour at 1 kHz is 0.7 GB."""
 
-    NAMES = ("t", "wall", "hand", "q", "base", "base_velocity", "age")
-
     def __init__(self) -> None:
-        self._numbers = {name: array("d") for name in self.NAMES}
+        self._numbers = {name: array("d") for name in _Tick.__struct_fields__}
         self._without_age = 0  # lines in the beginning
 
     def add(self, tick: _Tick) -> None:
-        for name in self.NAMES:
+        for name, numbers in self._numbers.items():
             value = getattr(tick, name)
             if isinstance(value, float):
-                self._numbers[name].append(value)
+                numbers.append(value)
             else:
-                self._numbers[name].extend([math.nan if x is None else x for x in value])
+                numbers.extend([math.nan if x is None else x for x in value])
         self._without_age += not tick.age
 
     def arrays(self) -> dict[str, Array]:

@@ -72,13 +72,10 @@ class Summary:
 
     def to_json(self) -> str:
         """Return the summary for programs, in SI units."""
-        plain = asdict(self) | {
-            "run": str(self.run),
-            "events": [one._asdict() for one in self.events],
-        }
+        plain = asdict(self) | {"events": [one._asdict() for one in self.events]}
         for process in plain["processes"]:
             process["answer"] = process["answer"] and process["answer"]._asdict()
-        return json.dumps(plain, indent=2) + "\n"
+        return json.dumps(plain, indent=2, default=str) + "\n"
 
     def text(self) -> str:
         """Return the summary for a terminal."""

@@ -1,5 +1,6 @@
 """Creation of certificates: an authority, and a key pair for each name, in a folder."""
 
+import inspect
 import ipaddress
 from collections.abc import Iterable, Sequence
 from datetime import UTC, datetime, timedelta
@@ -67,11 +68,8 @@ class Authority:
             (issuer, False),
         ):
             builder = builder.add_extension(extension, critical=critical)
-        private = key.private_bytes(
-            serialization.Encoding.PEM,
-            serialization.PrivateFormat.PKCS8,
-            serialization.NoEncryption(),
-        )
+        kind, plain = serialization.PrivateFormat.PKCS8, serialization.NoEncryption()
+        private = key.private_bytes(serialization.Encoding.PEM, kind, plain)
         return KeyPair(_pem(builder.sign(self._key, hashes.SHA256())), private.decode())
 
     def _builder(
@@ -90,17 +88,7 @@ def _name(text: str) -> x509.Name:
 
 
 def _usage(**uses: bool) -> x509.KeyUsage:
-    every = (
-        "digital_signature",
-        "content_commitment",
-        "key_encipherment",
-        "data_encipherment",
-        "key_agreement",
-        "key_cert_sign",
-        "crl_sign",
-        "encipher_only",
-        "decipher_only",
-    )
+    every = inspect.signature(x509.KeyUsage).parameters
     return x509.KeyUsage(**(dict.fromkeys(every, False) | uses))
 
 

@@ -29,12 +29,8 @@ def write_files(folder: Path, files: Mapping[str, str]) -> None:
 
 def read_files(deployment: Deployment, roles: Iterable[str]) -> dict[str, str]:
     """Return the certificate and key files of roles by name; none without `security`."""
-    files: dict[str, str] = {}
-    for role in dict.fromkeys(roles):
-        credentials = deployment.credentials(role)
-        for file in credentials.files if credentials else ():
-            files[file.name] = file.read_text(encoding="ascii")
-    return files
+    shown = filter(None, map(deployment.credentials, dict.fromkeys(roles)))
+    return {file.name: file.read_text("ascii") for one in shown for file in one.files}
 
 
 def with_local_files(text: str) -> str:

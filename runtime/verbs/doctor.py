@@ -8,7 +8,7 @@ from pathlib import Path
 
 from runtime.config.deployment import load
 from runtime.doctor.certificates import check_certificates
-from runtime.doctor.machine import Finding, Grade, check_machine
+from runtime.doctor.machine import Grade, check_machine
 from runtime.doctor.network import check_hosts, check_robot
 from runtime.watching.discovery import add_target_options, target_of
 from runtime.watching.table import columns
@@ -25,12 +25,12 @@ def run(args: argparse.Namespace) -> int:
     """Print a line for each check; return 1 if any is bad."""
     deployment = None if args.file is None else load(args.file, only_role=PLANT)
     findings = list(check_machine(Path.cwd() / "runs" if deployment is None else deployment.runs))
-    certificates: list[Finding] = []
+    can_join = args.robot is not None
     if deployment is not None:
-        certificates += check_certificates(deployment)
+        certificates = list(check_certificates(deployment))
         findings += [*certificates, *check_hosts(deployment)]
-    can_join = all(one.grade is not Grade.BAD for one in certificates)
-    if can_join and (args.robot is not None or deployment is not None):
+        can_join = all(one.grade is not Grade.BAD for one in certificates)
+    if can_join:
         roles = FIRST_COPY if deployment is None else len(deployment.roles)
         findings += check_robot(target_of(args), roles)
     print("\n".join(columns([(one.grade.value, one.what, one.detail) for one in findings])))

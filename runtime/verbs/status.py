@@ -79,25 +79,12 @@ def _text(robot: str, view: View, silent: Mapping[str, str]) -> str:
 
 
 def _json(robot: str, view: View, silent: Mapping[str, str]) -> str:
-    processes = [
-        {
-            "role": row.role,
-            "alive": row.alive,
-            "answer": row.answer and row.answer._asdict(),
-            **({} if row.diag is None else asdict(row.diag)),
-        }
-        for row in view.rows
-    ]
-    for process in processes:
-        for name in ("work", "answers"):
-            process.pop(name, None)
-    plain = {
-        "robot": robot,
-        "t": view.t,
-        "hand": view.hand,
-        "goal": view.goal,
-        "error": view.error,
-        "processes": processes,
-        "silent": silent,
-    }
+    processes = []
+    for row in view.rows:
+        process = {"role": row.role, "alive": row.alive}
+        process["answer"] = row.answer and row.answer._asdict()
+        diag = {} if row.diag is None else asdict(row.diag)
+        processes.append(process | {k: v for k, v in diag.items() if k not in ("work", "answers")})
+    seen = {"t": view.t, "hand": view.hand, "goal": view.goal, "error": view.error}
+    plain = {"robot": robot, **seen, "processes": processes, "silent": silent}
     return json.dumps(plain, indent=2)

@@ -2,7 +2,6 @@
 
 import argparse
 import json
-from collections.abc import Sequence
 from typing import Any
 
 from runtime.config.deployment import Deployment
@@ -13,13 +12,7 @@ from runtime.config.schema import schema
 class _PrintSchema(argparse.Action):
     """Prints the schema and exits, like `--help`, so that no file is needed."""
 
-    def __call__(
-        self,
-        parser: argparse.ArgumentParser,
-        namespace: argparse.Namespace,
-        values: str | Sequence[Any] | None,
-        option_string: str | None = None,
-    ) -> None:
+    def __call__(self, parser: argparse.ArgumentParser, *_: Any, **__: Any) -> None:
         print(json.dumps(schema(Deployment), indent=2))
         parser.exit()
 

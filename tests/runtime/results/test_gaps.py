@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from runtime.results.gaps import arrivals, first_after, longest
+from bench.gap import longest
+from runtime.results.gaps import arrivals, first_after
 from runtime.results.run_log import RunLog
 
 NONE = np.nan
