@@ -125,8 +125,7 @@ class AgentNode(Node):
         if due and not self._answers_first:
             t = self._decide(now, t)
         self._process.t = t
-        if self._process.life:
-            self._process.life.clock.seen(self._senses.t, now)
+        self._process.clock.seen(self._senses.t, now)
         wanted = self._wanted
         if wanted is not None and t - self._decided_at <= self._good:
             self._out.send(self._command(t, *wanted))

@@ -20,13 +20,7 @@ Command = JointCommand | PlatformCommand
 
 
 class _Motor(NamedTuple):
-    """What one agent commands: a joint or the platform.
-
-    Attributes:
-        role: The agent's role.
-        input: The arbitrated commands for it.
-        limits: Its largest speeds: rad/s, or m/s and rad/s.
-    """
+    """What one agent commands, a joint or the platform; its largest speeds are the limits."""
 
     role: str
     input: TopicInput[JointCommand] | TopicInput[PlatformCommand]
@@ -38,6 +32,13 @@ class CommandArbiter:
 
     What it hands on is within the robot's limits, so that no plant needs to check it. All times
     are plant times [s], so that nothing grows old while the plant is stopped.
+
+    Args:
+        robot: What is commanded.
+        hold: How long a command is in force [s].
+        fresh: How long after a message its source counts as active [s].
+        refusals: Counts what is refused or clamped.
+        on_change: Called with a role and the incarnation whose commands are used from now on.
     """
 
     def __init__(
@@ -49,15 +50,6 @@ class CommandArbiter:
         refusals: Refusals,
         on_change: Callable[[str, int], None] = lambda role, by: None,
     ) -> None:
-        """Begin without commands.
-
-        Args:
-            robot: What is commanded.
-            hold: How long a command is in force [s].
-            fresh: How long after a message its source counts as active [s].
-            refusals: Counts what is refused or clamped.
-            on_change: Called with a role and the incarnation whose commands are used from now on.
-        """
         self._on_change = on_change
         self._in_use: dict[str, int] = {}  # by role, the incarnation
         self._hold = hold + 1e-9  # so that rounding does not drop one of exactly that age

@@ -30,21 +30,15 @@ class GoalNode(Node):
         while True:
             arrival = self._ring.recv()
             now = time.monotonic()
-            states = self._plant.accept(arrival.data, now)
-            if states is not None:
-                self._publish(now)
+            if self._plant.accept(arrival.data, now) and (states := self._plant.fresh(now)):
+                self._publish(states.t, now)
                 spent = time.monotonic() - now
                 self.work.add(spent)
                 time.sleep(max(_SHORTEST - spent, 0.0))
 
-    def _publish(self, now: float) -> None:
-        states = self._plant.fresh(now)
-        if states is None:
-            return
-        process = self._process
-        process.t = t = states.t
-        if process.life:
-            process.life.clock.seen(t, now)
+    def _publish(self, t: float, now: float) -> None:
+        self._process.t = t
+        self._process.clock.seen(t, now)
         self.state = "runs" if t < self._path.end else "has reached the end of its path"
         goal = self._path.piece(t)
         position, velocity = goal.position.tolist(), goal.velocity.tolist()

@@ -5,7 +5,6 @@ import os
 import select
 import signal
 from contextlib import suppress
-from types import FrameType
 from typing import TYPE_CHECKING
 
 from runtime.wire import topics
@@ -20,10 +19,6 @@ _FRESH = 1.0  # [s]: more than between two looks at the clock
 _WAITING = 256  # messages kept between two looks, so that a flood hides no plant
 
 OK, FAILED, INTERRUPTED = 0, 1, 130
-
-
-def _leave_to_the_pipe(number: int, frame: FrameType | None) -> None:
-    """Python wants a handler, or the signal would end the process at once."""
 
 
 class Shutdown:
@@ -48,7 +43,7 @@ class Shutdown:
         """End on SIGINT and SIGTERM; to be called in the main thread."""
         signal.set_wakeup_fd(self._write, warn_on_full_buffer=False)
         for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, _leave_to_the_pipe)
+            signal.signal(number, lambda *_: None)  # without a handler it would end at once
 
     def ask(self, reason: str, code: int = OK) -> None:
         """Ask for the end, from any thread."""
@@ -115,7 +110,7 @@ class Lifetime:
         clock: Gets the time of each message of the plant.
         patience: It ends after so long without a plant [s].
         duration: The run ends at that plant time [s]; None if it does not.
-        speed: How many times as fast as real time the plant runs.
+        speed: Plant time per real time.
     """
 
     GRACE = 2.0  # [s] by which a plant without messages may be late

@@ -29,12 +29,7 @@ class PlantNode(Node):
     """
 
     def __init__(self, process: Process, answers: AnswerTimes | None = None) -> None:
-        """Make the plant that the deployment names.
-
-        Args:
-            process: The process that this runs in.
-            answers: Measures the latency of the agents; by default an `AnswerTimes` of its own.
-        """
+        """Make the plant that the deployment names; `answers` measures the agents' latency."""
         deployment = process.deployment
         robot = deployment.description.robot
         self._process = process
@@ -143,10 +138,9 @@ class PlantNode(Node):
             fault = self._faults.popleft()
             try:
                 self._plant.inject(fault)
+                self._process.log.write(self._process.t, "fault", fault=str(fault))
             except MsmaError as error:
                 self._process.log.write(self._process.t, "fault refused", why=str(error))
-            else:
-                self._process.log.write(self._process.t, "fault", fault=str(fault))
 
     def _log_change(self, role: str, by: int) -> None:
         self._process.log.write(self._process.t, "obeys", role=role, by=f"{by:x}")

@@ -43,20 +43,17 @@ class Process(Context):
     Attributes:
         deployment: What it is a part of.
         file: Where the deployment was read from.
-        life: Says when it has no more reason to go on; None if its node decides alone.
+        clock: Plant time, by which it ends, unless it is the plant itself.
     """
 
     def __init__(self, deployment: Deployment, member: ProcessSpec, file: Path, run: Path) -> None:
         sys.setswitchinterval(0.0001)  # [s], or a busy thread makes the loop wait 5 ms
         self.deployment, self.role = deployment, member.role
         self.file, self.run = file.absolute(), run.absolute()
-        self._bus_clock: BusClock | None = None
+        self.clock = PlantClock(time.monotonic())
         self.ending = Shutdown()
         self.refusals = Refusals(self._note_refused)
         self.t = 0.0
-        self.life: Lifetime | None = None
-        if self.role != topics.PLANT:  # which waits for none
-            self.life = self._lifetime(PlantClock(time.monotonic()))
         self._rate = 0.0
         self._scheduled = ""  # what `status` is to add
         self._diags = count(1)
@@ -80,10 +77,6 @@ class Process(Context):
             raise ConfigError(f"scheduling: realtime is not granted to {self.role}; `msma doctor`")
         return granted
 
-    def _lifetime(self, clock: PlantClock) -> Lifetime:
-        of = self.deployment
-        return Lifetime(clock, patience=of.patience, duration=of.duration, speed=of.speed)
-
     @property
     def robot(self) -> Robot:
         """The description of the robot."""
@@ -91,8 +84,7 @@ class Process(Context):
 
     def follow_plant(self) -> None:
         """Read plant time from the bus, for a node that does not take it from the messages."""
-        self._bus_clock = BusClock(self.bus, time.monotonic())
-        self.life = self._lifetime(self._bus_clock)
+        self.clock = BusClock(self.bus, time.monotonic())
 
     def __enter__(self) -> Self:
         return self
@@ -143,17 +135,20 @@ class Process(Context):
         if self._realtime:
             set_realtime()
             confine_realtime()
+        of, life = self.deployment, None
+        if self.role != topics.PLANT:  # which waits for none
+            life = Lifetime(self.clock, patience=of.patience, duration=of.duration, speed=of.speed)
         looks = 0
         pause = random.uniform(0.0, _CHECK)  # or all that began together would do this at once
         while not self.ending.wait(pause):
             pause = _CHECK
             disable_linger()
             now = time.monotonic()
-            if self._bus_clock:
-                self.t = self._bus_clock.look(now)
-            if self.life and self.life.over(now):
+            if isinstance(self.clock, BusClock):
+                self.t = self.clock.look(now)
+            if life and life.over(now):
                 self.ending.ask("the run is over")
-            elif self.life and (reason := self.life.timed_out(now)):
+            elif life and (reason := life.timed_out(now)):
                 self.ending.ask(reason, FAILED)
             if self._strangers:
                 self._strangers.look()

@@ -105,12 +105,7 @@ class MotionLog:
         )
 
     def of_truth(self, truth: Truth, ages: Sequence[float | None]) -> str:
-        """Return the line of the true motion.
-
-        Args:
-            truth: Of one robot.
-            ages: Of the command in force of each motor [s]; None where there is none.
-        """
+        """Return the line of the true motion, with the age of each motor's command [s]."""
         return self._line % (
             time.time(),
             truth.t,

@@ -10,14 +10,8 @@ _AT_A_TIME = 0.1  # [s] of sleep, so that the end is noticed in between
 class Pacer:
     """Waits for one deadline after another, a period apart.
 
-    After an overrun, or a suspension of the process, it starts again from there: missed deadlines
-    are not made up for.
-
-    Args:
-        period: Period [s].
-
-    Attributes:
-        missed: Number of deadlines that were missed.
+    After an overrun, or a suspension of the process, it starts again from there: `missed` counts
+    deadlines that are not made up for.
     """
 
     def __init__(

@@ -76,17 +76,16 @@ class Mesh(NamedTuple):
 
     def endpoints(self, slot: int) -> Endpoints:
         """Return the endpoints of a role's process."""
-        home = self.homes[slot]
-        return self._place(home, slot, self._roles(slot))
+        return self._place(self.homes[slot], slot, self._roles(slot))
 
     def copy_endpoints(self, slot: int, home: str) -> Endpoints:
         """Return the endpoints of a copy in one of the slots for copies of the host `home`.
 
         A slot's port is there on each host, so of two copies in one slot the host decides.
         """
-        before = self.addresses.index(home)
-        same = (Address(address, self.base + slot) for address in self.addresses[:before])
-        return self._place(home, slot, self._roles(len(self.homes)), (*self._copies(slot), *same))
+        before = self.addresses[: self.addresses.index(home)]
+        rarely = (*self._copies(slot), *(Address(address, self.base + slot) for address in before))
+        return self._place(home, slot, self._roles(len(self.homes)), rarely)
 
     def visitor(self) -> Endpoints:
         """Return the endpoints of a tool, which dials all roles and copies and is dialled by none.
@@ -94,15 +93,14 @@ class Mesh(NamedTuple):
         Dialling 128 slots of which 10 answer costs it 0.1 s at the start and 2 % of a core, so it
         is worth knowing how many roles there are.
         """
-        dials, copies = self._roles(len(self.homes)), self._copies(SLOTS)
-        elsewhere = self._elsewhere(LOOPBACK)
-        return Endpoints(Address(LOOPBACK, 0), dials, copies, elsewhere, self.routers)
+        visitor = self._place(LOOPBACK, 0, self._roles(len(self.homes)), self._copies(SLOTS))
+        return visitor._replace(listen=Address(LOOPBACK, 0))
 
     def _place(
         self, home: str, slot: int, dials: tuple[Address, ...], rarely: tuple[Address, ...] = ()
     ) -> Endpoints:
-        listen = Address(home, self.base + slot)
-        return Endpoints(listen, dials, rarely, self._elsewhere(home), self.routers)
+        elsewhere = sum(other != home for other in self.homes)
+        return Endpoints(Address(home, self.base + slot), dials, rarely, elsewhere, self.routers)
 
     def _roles(self, below: int) -> tuple[Address, ...]:
         homes = self.homes[:below]
@@ -111,9 +109,6 @@ class Mesh(NamedTuple):
     def _copies(self, below: int) -> tuple[Address, ...]:
         slots = range(FIRST_COPY, below)
         return tuple(Address(home, self.base + slot) for slot in slots for home in self.addresses)
-
-    def _elsewhere(self, home: str) -> int:
-        return sum(other != home for other in self.homes)
 
 
 def on_loopback(base: int, roles: int = FIRST_COPY) -> Mesh:

@@ -32,11 +32,8 @@ def direct_callback(
 ) -> "Callback[T]":
     """Return the handler that calls `take` with each sample in the thread that receives it.
 
-    Where Zenoh cannot do that, it is called in a thread of Python's own.
-
-    Args:
-        take: Called with each sample or reply.
-        drop: Called when no more will come.
+    Where Zenoh cannot do that, it is called in a thread of Python's own. When no more will come,
+    `drop` is called.
     """
     if not uses(Internal.DIRECT):
         return Callback(take, drop=drop)

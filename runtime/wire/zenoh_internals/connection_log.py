@@ -95,9 +95,6 @@ class ConnectionLog:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(self, *_: object) -> None:
-        self.close()
-
     def look(self) -> None:
         """Count what was logged since the last look, and pass on what else was written."""
         if not self._on:
@@ -128,7 +125,7 @@ class ConnectionLog:
             while data:
                 data = data[os.write(self._out, data) :]
 
-    def close(self) -> None:
+    def __exit__(self, *_: object) -> None:
         """Look for the last time, and put the standard output back."""
         if not self._on:
             return

@@ -14,7 +14,7 @@ _ONE_THREAD = (
 )
 
 
-def provide_threads(elsewhere: int) -> None:
+def provide_threads(remote_peers: int) -> None:
     """Let one thread do all of Zenoh's work, or two for each remote peer.
 
     By default Zenoh has five pools of threads that hand each message on: with nine processes a tick
@@ -24,12 +24,9 @@ def provide_threads(elsewhere: int) -> None:
 
     Zenoh reads the variable once, when a process opens its first session. What a user has set
     stays; what was inherited from a process without remote peers does not count.
-
-    Args:
-        elsewhere: The number of remote peers.
     """
     if not uses(Internal.THREADS):
         return
     if os.environ.get("ZENOH_RUNTIME", _ONE_THREAD) == _ONE_THREAD:
-        many = f"({_MANY_PEERS}, rx: (worker_threads: {2 + 2 * elsewhere}))"
-        os.environ["ZENOH_RUNTIME"] = many if elsewhere else _ONE_THREAD
+        many = f"({_MANY_PEERS}, rx: (worker_threads: {2 + 2 * remote_peers}))"
+        os.environ["ZENOH_RUNTIME"] = many if remote_peers else _ONE_THREAD
