@@ -24,19 +24,13 @@ class _StateInput(TopicInput[M]):
 
     def __init__(self, key: str, kind: type[M], *more: Any) -> None:
         super().__init__(key, kind, *more)
-        self._kept: deque[M] = deque(maxlen=_KEPT)
-
-    def accept(self, data: bytes, now: float) -> M | None:
-        message = super().accept(data, now)
-        if message is not None:
-            self._kept.append(message)
-        return message
+        self.kept: deque[M] = deque(maxlen=_KEPT)
 
     def at(self, moment: float, newest: M | None) -> M | None:
         """Return the message of the newest's source at a moment [s]; the newest if none is kept."""
         if newest is None or newest.t == moment:
             return newest
-        same = (kept for kept in self._kept if kept.t == moment and kept.by == newest.by)
+        same = (kept for kept in self.kept if kept.t == moment and kept.by == newest.by)
         return next(same, newest)
 
 
@@ -95,8 +89,12 @@ class Perception:
                 self._refusals.count_unknown(key)
             return False
         message = source.accept(data, now)
-        if message is None or not (
-            source is self._joints or (source is self._hand and self._joints.fresh(now) is None)
+        if message is None:
+            return False
+        if isinstance(source, _StateInput):
+            source.kept.append(message)
+        if source is not self._joints and (
+            source is not self._hand or self._joints.fresh(now) is not None
         ):
             return False
         self.t = message.t

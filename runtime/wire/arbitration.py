@@ -70,24 +70,29 @@ class Arbiter(Generic[M]):
         if any(now - source.arrived <= self.fresh for source in self._sources.values()):
             self._on_another(message)
         if len(self._sources) >= SOURCES_KEPT:
-            least = min(self._sources.values(), key=lambda each: (each.confirmed, each.arrived))
-            del self._sources[least.message.by]
+            least = min(
+                self._sources, key=lambda by: (self._sources[by].confirmed, self._arrived(by))
+            )
+            del self._sources[least]
         self._sources[message.by] = Source(message, now)
+
+    def _arrived(self, by: int) -> float:
+        return self._sources[by].arrived
 
     def selected(self, now: float) -> Source[M] | None:
         """Return the source that counts `now` [s]; None if there never was one.
 
         If none is fresh it is the one whose message arrived last: see how long ago that was.
         """
+        if not self._sources:
+            return None
         unconfirmed: Source[M] | None = None
         for source in reversed(self._sources.values()):
             if now - source.arrived <= self.fresh:
                 if source.confirmed:
                     return source
                 unconfirmed = unconfirmed or source
-        if unconfirmed is not None:
-            return unconfirmed
-        return max(self._sources.values(), key=lambda source: source.arrived, default=None)
+        return unconfirmed or self._sources[max(self._sources, key=self._arrived)]
 
 
 class TopicInput(Generic[M]):
@@ -153,9 +158,14 @@ class GoalInput:
 
     A goal does not go stale: its source may be gone for good. A process that starts then has what
     the plant knows alone, and one that was cut off for a while may know less than the plant does.
+
+    Args:
+        fresh: For how long after its arrival a message is fresh [s].
+        refusals: Where refusals are counted.
     """
 
     def __init__(self, fresh: float, refusals: Refusals) -> None:
+        self._fresh = fresh
         self._published = TopicInput(topics.GOAL, GoalMessage, fresh, refusals)
         self._known = TopicInput(topics.KNOWN_GOAL, GoalMessage, fresh, refusals)
 
@@ -168,8 +178,8 @@ class GoalInput:
 
         While its source is fresh, that one's. Of what is left behind, the newest by plant time.
         """
-        if (published := self._published.fresh(now)) is not None:
-            return published
-        left = (each.selected(now) for each in (self._published, self._known))
-        messages = (source.message for source in left if source is not None)
-        return max(messages, key=lambda goal: goal.t, default=None)
+        published = self._published.selected(now)
+        if published is not None and now - published.arrived <= self._fresh:
+            return published.message
+        left = [source.message for source in (published, self._known.selected(now)) if source]
+        return max(left, key=lambda goal: goal.t, default=None)

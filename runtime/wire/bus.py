@@ -145,7 +145,7 @@ class Bus:
         self._session.close()  # type: ignore[no-untyped-call] # an omission in zenoh's stubs
 
     def publisher(self, key: str, topic: Topic | None = None) -> Publisher:
-        """Return what publishes on `key`, in the way that its topic says or the standard one."""
+        """Return what publishes on one key, as its `topic` says: by default the standard one."""
         topic = topic or topics.STANDARD.topic_of(key)
         urgent, express = (topic.urgent, topic.express) if topic else (True, True)
         publisher = self._session.declare_publisher(
