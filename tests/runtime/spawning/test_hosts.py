@@ -21,7 +21,7 @@ DEPLOYMENT = ROOT / "deploy" / FILE
 
 
 def test_each_host_s_share_is_started_by_hand_and_tools_on_one_find_all(robot: Robot) -> None:
-    options = ("--duration", "20s", "--set", "patience=20s")
+    options = ("--duration", "21s", "--set", "patience=20s")
     shares = [
         robot.launch("--host", name, *options, "--set", f"runs={robot.folder / name}", file=FILE)
         for name in ("base", "arm", "robot")
@@ -35,8 +35,8 @@ def test_each_host_s_share_is_started_by_hand_and_tools_on_one_find_all(robot: R
     assert seen["robot"] == robot.name
     said = [share.communicate(timeout=RUN_DEADLINE)[0] for share in shares]
     assert [share.returncode for share in shares] == [0, 0, 0], said
-    assert "the share of base ran to 20.00 s" in said[0]
-    assert "the share of arm ran to 20.00 s" in said[1]
+    assert "the share of base ran to 21.00 s" in said[0]
+    assert "the share of arm ran to 21.00 s" in said[1]
     assert "goal reached" in said[2]
     assert robot.processes() == {}
     assert {file.stem for file in (robot.folder / "arm").glob("*/*.jsonl")} == {
@@ -111,7 +111,7 @@ def test_doctor_reports_which_host_cannot_be_reached(address: str, part: str) ->
 
 def test_doctor_finds_another_robot_of_the_same_name(make_robot: Callable[[], Robot]) -> None:
     robot = make_robot()
-    robot.launch("--duration", "20s")
+    robot.launch("--duration", "21s")
     robot.until(0.1)
     mesh = load(DEPLOYMENT).mesh._replace(base=65000)
     found = [one for one in check_robot(Target(robot.name, mesh), 9) if one.what == robot.name]
