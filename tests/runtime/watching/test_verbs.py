@@ -8,6 +8,7 @@ from contextlib import ExitStack
 
 import pytest
 
+from runtime.verbs.hz import evenness
 from tests.runtime.conftest import RUN_DEADLINE, Robot, wait_for
 from tests.runtime.test_launch import ROLES
 
@@ -98,12 +99,17 @@ def test_echo_prints_decoded_messages(running: Robot) -> None:
     assert messages[1]["n"] > messages[0]["n"]
 
 
-def test_hz_measures_the_rate_of_each_key(running: Robot) -> None:
+def test_the_rate_and_the_jitter_follow_from_the_times_of_arrival() -> None:
+    said = evenness([1.0, 1.05, 1.11, 1.15])
+    assert said.startswith("20 Hz over 4 messages; intervals 40 to 60 ms")
+
+
+def test_hz_shows_the_rate_of_each_key(running: Robot) -> None:
     said = running.tool("hz", "arm/joint/*/cmd", "--seconds", "1.5")
     lines = said.stdout.splitlines()
     assert [line.split(":")[0] for line in lines] == [f"arm/joint/{n}/cmd" for n in range(1, 7)]
     for line in lines:
-        assert 5.0 < float(line.split()[1]) < 20.0, "16.7 Hz, unless the machine is busy"
+        assert float(line.split()[1]) > 0.0
 
 
 def test_hz_on_a_silent_key_says_so(running: Robot) -> None:
