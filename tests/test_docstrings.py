@@ -11,6 +11,7 @@ ROOT = Path(__file__).parent.parent
 FOLDERS = ("bench", "plant", "runtime", "studies")
 FILES = sorted(file for folder in FOLDERS for file in (ROOT / folder).rglob("*.py"))
 """All but `agents/`, which is written anew after this."""
+AGENTS = sorted((ROOT / "agents").rglob("*.py"))
 
 SECTIONS = ("Args", "Attributes", "Example", "Examples", "Note", "Raises", "Returns", "Yields")
 HEADER = re.compile(rf"^({'|'.join(SECTIONS)}):$")
@@ -95,8 +96,35 @@ def words(name: str) -> set[str]:
     return {word.lower() for word in re.findall(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])", name)}
 
 
+def classes(file: Path) -> Iterator[ast.ClassDef]:
+    return (
+        node for node in ast.walk(ast.parse(file.read_text())) if isinstance(node, ast.ClassDef)
+    )
+
+
+CLASSES = {node.name: node for file in [*AGENTS, *FILES] for node in classes(file)}
+
+
+def method_docstrings(node: ast.ClassDef) -> dict[str, str | None]:
+    """Return the docstrings of a class's own and inherited methods, by their names."""
+    inherited: dict[str, str | None] = {}
+    for base in reversed(node.bases):
+        name = ast.unparse(base).partition("[")[0].rpartition(".")[2]
+        inherited |= method_docstrings(CLASSES[name]) if name in CLASSES else {}
+    methods = [inner for inner in node.body if isinstance(inner, ast.FunctionDef)]
+    return inherited | {f.name: ast.get_docstring(f) or inherited.get(f.name) for f in methods}
+
+
 def each(file: Path) -> str:
     return str(file.relative_to(ROOT))
+
+
+@pytest.mark.parametrize("file", [*AGENTS, *FILES], ids=each)
+def test_a_public_method_has_a_docstring_or_inherits_one(file: Path) -> None:
+    for node in classes(file):
+        found = {} if node.name.startswith("_") else method_docstrings(node)
+        missing = [name for name, text in found.items() if not text and not name.startswith("_")]
+        assert not missing, f"{each(file)}:{node.lineno}: {missing}"
 
 
 @pytest.mark.parametrize("file", FILES, ids=each)

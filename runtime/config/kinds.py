@@ -103,11 +103,9 @@ class Quantity(Kind):
 
     @property
     def such_as(self) -> str:
-        """The example of its range, if it has one."""
         return self.range.such_as if self.range else f"0 {self.unit}".removesuffix(" 1")
 
     def read(self, node: YamlNode, scope: Scope) -> float:
-        """Return the number in SI units."""
         try:
             value = parse_quantity(node.text, self.unit)
         except UnitError as error:
@@ -117,7 +115,6 @@ class Quantity(Kind):
         return value
 
     def write(self, value: Any) -> float | str:
-        """Return the number with its unit, exactly."""
         return float(value) if self.unit == "1" else f"{float(value)!r} {self.unit}"
 
 
@@ -129,11 +126,9 @@ class Whole(Kind):
 
     @property
     def such_as(self) -> str:
-        """The example of its range, if it has one."""
         return self.range.such_as if self.range else "1"
 
     def read(self, node: YamlNode, scope: Scope) -> int:
-        """Return the number."""
         if not re.fullmatch("[+-]?[0-9]{1,99}", node.text):
             raise node.error(f"{node.text!r} is not a whole number, such as {self.such_as}")
         if self.range:
@@ -149,11 +144,9 @@ class Choice(Kind):
 
     @property
     def such_as(self) -> str:
-        """The first of the words."""
         return next(iter(self.values))
 
     def read(self, node: YamlNode, scope: Scope) -> Any:
-        """Return the value of the word; case is ignored."""
         word = node.text if node.text in self.values else node.text.lower()
         if word not in self.values:
             raise node.error(f"{node.text!r} is not a valid choice{valid_are(word, self.values)}")
@@ -169,11 +162,9 @@ class Text(Kind):
 
     @property
     def such_as(self) -> str:
-        """The example of its pattern, if it has one."""
         return self.pattern.such_as if self.pattern else "text"
 
     def read(self, node: YamlNode, scope: Scope) -> str:
-        """Return the text as it was written."""
         regex, what, _ = self.pattern or (".*", "text", "")
         if not isinstance(node.value, str) or not re.fullmatch(regex, node.value, re.DOTALL):
             raise node.error(f"{node.text!r} is not {what}, such as {self.such_as}")
@@ -191,11 +182,9 @@ class File(Kind):
 
     @property
     def such_as(self) -> str:
-        """A path."""
         return "runs" if self.output else "path.csv"
 
     def read(self, node: YamlNode, scope: Scope) -> Path:
-        """Return the absolute path."""
         text = Text(Pattern(".+", "a path", self.such_as)).read(node, scope)
         folder = Path.cwd() if self.output else node.location.folder
         path = os.path.abspath(folder / os.path.expanduser(text))
@@ -204,7 +193,6 @@ class File(Kind):
         return Path(path)
 
     def write(self, value: Any) -> str:
-        """Return the path as text."""
         return str(value)
 
 
@@ -224,13 +212,11 @@ class Items(Kind):
 
     @property
     def such_as(self) -> str:
-        """A list of examples."""
         if self.bare:
             return self.kinds[0].such_as
         return f"[{', '.join(kind.such_as for kind in self.kinds)}]"
 
     def read(self, node: YamlNode, scope: Scope) -> tuple[Any, ...]:
-        """Return the values."""
         if self.bare and not isinstance(node.value, list):
             return (self.kinds[0].read(node, scope),)
         if self.bare and not node.value:
@@ -245,7 +231,6 @@ class Items(Kind):
         return tuple(kind.read(n, scope) for kind, n in zip(kinds, node.value, strict=True))
 
     def write(self, value: Any) -> list[Any]:
-        """Return the list."""
         return [k.write(v) for k, v in zip(self._kinds(len(value)), value, strict=True)]
 
     def _kinds(self, count: int) -> tuple[Kind, ...]:
@@ -261,11 +246,9 @@ class Table(Kind):
 
     @property
     def such_as(self) -> str:
-        """One name with its value."""
         return f"{{{self.key.such_as}: {self.value.such_as}}}"
 
     def read(self, node: YamlNode, scope: Scope) -> dict[str, Any]:
-        """Return the values by their names, in the order in which they were written."""
         if not isinstance(node.value, dict) or not node.value:
             raise node.error(f"{node.text!r} is not a mapping, such as {self.such_as}")
         for name, child in node.value.items():
@@ -273,7 +256,6 @@ class Table(Kind):
         return {name: self.value.read(child, scope) for name, child in node.value.items()}
 
     def write(self, value: Any) -> dict[str, Any]:
-        """Return the mapping."""
         return {name: self.value.write(each) for name, each in value.items()}
 
 
@@ -285,13 +267,10 @@ class Maybe(Kind):
 
     @property
     def such_as(self) -> str:
-        """The value's example."""
         return self.kind.such_as
 
     def read(self, node: YamlNode, scope: Scope) -> Any:
-        """Return the value, or None."""
         return None if node.value is None else self.kind.read(node, scope)
 
     def write(self, value: Any) -> Any:
-        """Return null, or what the value is written as."""
         return None if value is None else self.kind.write(value)

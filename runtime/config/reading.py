@@ -132,14 +132,12 @@ class Structure(Kind):
 
     @property
     def such_as(self) -> str:
-        """Its first key."""
         first = self.fields[0]
         if hasattr(self.type, "short"):
             return first.kind.such_as
         return f"{{{first.key}: {first.kind.such_as}, ...}}"
 
     def read(self, node: YamlNode, scope: Scope) -> Any:
-        """Return the dataclass, made from the mapping and from defaults."""
         if isinstance(node.value, str) and (short := getattr(self.type, "short", "")):
             node = YamlNode(node.location, {short: node}, node.name, node.parent, node.key)
         if not isinstance(node.value, dict):
@@ -174,7 +172,6 @@ class Structure(Kind):
         return {field.name: field.read(node, scope) for field in fields}
 
     def write(self, value: Any) -> dict[str, Any]:
-        """Return the mapping, including defaults."""
         plain: dict[str, Any] = {}
         for field in self.fields:
             plain |= field.write(getattr(value, field.name))
@@ -198,16 +195,13 @@ class Custom(Kind):
 
     @property
     def such_as(self) -> str:
-        """The example of the class."""
         example: str = self.type.such_as
         return example
 
     def read(self, node: YamlNode, scope: Scope) -> Any:
-        """Return what the class reads."""
         return self.type.from_node(node, scope)
 
     def write(self, value: Any) -> str:
-        """Return it as text."""
         return str(value)
 
 

@@ -79,7 +79,6 @@ class Process(Context):
 
     @property
     def robot(self) -> Robot:
-        """The description of the robot."""
         return self.deployment.description.robot
 
     def follow_plant(self) -> None:

@@ -53,7 +53,6 @@ class LiveTable(Screen):
         self._live.start()
 
     def happened(self, t: float, text: str) -> None:
-        """Show what happened at plant time `t` [s]."""
         self._console.print(Text(_event(t, text), style="bold yellow"))
 
     def show(self, view: View) -> None:
@@ -61,7 +60,6 @@ class LiveTable(Screen):
         self._live.update(picture(view, self._duration), refresh=True)
 
     def close(self) -> None:
-        """Leave the terminal as it was."""
         self._live.stop()
 
 

@@ -33,11 +33,9 @@ class ReadingMessage(Message, frozen=True, gc=False):
         return cls(t, *(_lost_as_nil(getattr(reading, name)) for name in cls.names))
 
     def check(self) -> None:
-        """Refuse texts that could play tricks on a terminal."""
         check_printable(*(value for value in self._values() if isinstance(value, str)))
 
     def percept(self) -> Any:
-        """Return the reading."""
         return self.reading(*map(_nil_as_lost, self._values()))
 
     def _values(self) -> tuple[Any, ...]:
