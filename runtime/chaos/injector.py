@@ -25,11 +25,8 @@ ANSWER = 0.5
 class Network(Protocol):
     """What joins the hosts of a run, if it can be cut and slowed down."""
 
-    def begin(self, event: ChaosEvent) -> None:
-        """Begin a partition, a delay or a loss for the event's hosts."""
-
-    def end(self, event: ChaosEvent) -> None:
-        """End what `begin` began for the event."""
+    def impair(self, event: ChaosEvent, *, over: bool) -> None:
+        """Begin a partition, a delay or a loss for the event's hosts, or end it."""
 
 
 def check_means(deployment: Deployment, network: Network | None) -> None:
@@ -179,7 +176,7 @@ class FaultInjector:
     def _to_network(self, event: ChaosEvent, over: bool) -> None:
         if self._network is None:
             return  # it was refused before anything was started
-        (self._network.end if over else self._network.begin)(event)
+        self._network.impair(event, over=over)
         self._note(event.action, event.target, over=over)
         what = {"partition": "cut off", "delay": "slowed down", "loss": "made to lose packets"}
         verb = "are" if len(event.hosts) > 1 else "is"

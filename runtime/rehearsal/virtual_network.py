@@ -3,12 +3,12 @@
 import ipaddress
 import os
 import shutil
-import socket
 import subprocess
+from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
-from typing import Self
+from typing import IO, Self
 
 import msgspec
 
@@ -16,13 +16,11 @@ from runtime.config.chaos import LAUNCHER, WATCHER, ChaosEvent
 from runtime.config.deployment import Deployment
 from runtime.config.tree import ConfigError
 from runtime.errors import RunError
-from runtime.rehearsal.links import Impairment
-from runtime.rehearsal.tap import enter_new_network, open_tap
+from runtime.rehearsal.tun import enter_new_network
 from runtime.spawning.remote import out_of
 from runtime.spawning.tasks import environment, python
 
-_START_TIMEOUT = 20.0  # [s]
-_NAMESPACES = ("--net", "--uts", "--pid", "--fork", "--mount-proc", "--kill-child=SIGKILL")
+_NAMESPACES = ("--uts", "--pid", "--fork", "--mount-proc", "--kill-child=SIGKILL")
 _HOSTS, _OUR_ADDRESS = "10.87.0.{}", "10.87.255.254"
 
 
@@ -49,79 +47,48 @@ class VirtualNetwork:
 
     def build(self, run: Path) -> None:
         """Create the hosts; their error output goes to the run's folder."""
+        tuns = []
         try:
-            enter_new_network()
-            taps = {"": open_tap(_OUR_ADDRESS)}
+            for name, spec in self.deployment.hosts.items():
+                tuns.append((enter_new_network(spec.address), spec.address, name))
+                host = ["unshare", *_NAMESPACES, *python("runtime.rehearsal.host", name)]
+                with out_of(run, name).open("ab") as out:  # it starts in the network just entered
+                    self.hosts[name] = self._start(host, stderr=out)
+            tuns.append((enter_new_network(_OUR_ADDRESS), _OUR_ADDRESS, ""))
         except OSError as error:
             raise RunError(f"the network of the rehearsal cannot be created: {error}") from None
-        receivers = {name: self._start(name, run) for name in self.deployment.hosts}
-        for name, receiver in receivers.items():
-            taps[name] = _receive_tap(receiver, name, run)
-        self._start_switch(taps)
-        for tap in taps.values():
-            os.close(tap)
+        ends = ["=".join(map(str, tun)) for tun in tuns]
+        switch = python("runtime.rehearsal.switch", str(self.deployment.seed), *ends)
+        files = [file for file, _, _ in tuns]
+        self._switch = self._start(switch, pass_fds=files)
+        for file in files:
+            os.close(file)
 
-    def _start(self, name: str, run: Path) -> socket.socket:
-        """Start a host; return the socket that will receive its TAP device."""
-        receiver, sender = socket.socketpair()
-        host = python("runtime.rehearsal.host", name, self.deployment.hosts[name].address)
-        with sender, out_of(run, name).open("ab") as out:
-            process = subprocess.Popen(
-                ["unshare", *_NAMESPACES, *host, str(sender.fileno())],
-                stdin=subprocess.PIPE,
-                stdout=subprocess.PIPE,
-                stderr=out,
-                pass_fds=[sender.fileno()],
-                start_new_session=True,
-                env=environment(),
-            )
-        self.hosts[name] = process
-        self._ends_with_us(process)
-        return self._stack.enter_context(receiver)
-
-    def _start_switch(self, taps: dict[str, int]) -> None:
-        self._control, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-        self._stack.enter_context(self._control)
-        with theirs:
-            pairs = [f"{name}={tap}" for name, tap in taps.items()]
-            seed = str(self.deployment.seed)
-            switch = subprocess.Popen(
-                python("runtime.rehearsal.switch", str(theirs.fileno()), seed, *pairs),
-                stdin=subprocess.DEVNULL,
-                pass_fds=[theirs.fileno(), *taps.values()],
-                start_new_session=True,
-                env=environment(),
-            )
-        self._ends_with_us(switch)
-
-    def _ends_with_us(self, process: "subprocess.Popen[bytes]") -> None:
+    def _start(
+        self, command: list[str], stderr: IO[bytes] | None = None, pass_fds: Sequence[int] = ()
+    ) -> "subprocess.Popen[bytes]":
+        """Start a process that ends with this one, for its standard input closes then."""
+        process = subprocess.Popen(
+            command,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=stderr,
+            pass_fds=pass_fds,
+            start_new_session=True,
+            env=environment(),
+        )
         self._stack.enter_context(process)
         self._stack.callback(process.kill)
+        return process
 
-    def begin(self, event: ChaosEvent) -> None:
-        """Begin a partition, a delay or a loss for the event's hosts."""
-        self._impairing.append(event)
-        self._impair()
-
-    def end(self, event: ChaosEvent) -> None:
-        """End what `begin` began for the event."""
-        self._impairing.remove(event)
-        self._impair()
-
-    def _impair(self) -> None:
-        """Send all impairments to the switch, and wait until it has them."""
-        impairments = [
-            Impairment(
-                one.action,
-                frozenset(one.hosts),
-                time=one.time or 0.0,
-                jitter=one.jitter or 0.0,
-                share=one.share or 0.0,
-            )
-            for one in self._impairing
-        ]
-        self._control.send(msgspec.json.encode(impairments))
-        self._control.recv(16)
+    def impair(self, event: ChaosEvent, *, over: bool) -> None:
+        """Begin a partition, a delay or a loss for the event's hosts, or end it."""
+        (self._impairing.remove if over else self._impairing.append)(event)
+        assert self._switch.stdin is not None
+        assert self._switch.stdout is not None
+        self._switch.stdin.write(msgspec.json.encode(self._impairing) + b"\n")
+        self._switch.stdin.flush()
+        self._switch.stdout.readline()  # it has them
 
     def __enter__(self) -> Self:
         return self
@@ -166,14 +133,3 @@ def _is_usable(address: str) -> bool:
     except ValueError:
         return False
     return not parsed.is_loopback and address != _OUR_ADDRESS
-
-
-def _receive_tap(receiver: socket.socket, name: str, run: Path) -> int:
-    receiver.settimeout(_START_TIMEOUT)
-    try:
-        _, files, _, _ = socket.recv_fds(receiver, 16, 1)
-    except TimeoutError:
-        files = []
-    if not files:
-        raise RunError(f"host {name} of the rehearsal did not start: see {out_of(run, name)}")
-    return files[0]

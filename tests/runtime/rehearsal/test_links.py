@@ -2,13 +2,14 @@ import random
 
 import pytest
 
-from runtime.rehearsal.links import Impairment, Links
+from runtime.config.chaos import ChaosEvent
+from runtime.rehearsal.switch import Links
 
 HOSTS = ("robot", "arm", "base")
 PAIRS = [(one, other) for one in HOSTS for other in HOSTS if one != other]
 
 
-def links(*impairments: Impairment) -> Links:
+def links(*impairments: ChaosEvent) -> Links:
     links = Links(random.Random(1))
     links.impairments = list(impairments)
     return links
@@ -20,22 +21,22 @@ def test_an_unimpaired_network_delivers_at_once() -> None:
 
 @pytest.mark.parametrize("cut", [{"arm"}, {"robot", "base"}])
 def test_hosts_of_a_partition_reach_each_other_and_no_others(cut: set[str]) -> None:
-    network = links(Impairment("partition", frozenset(cut)))
+    network = links(ChaosEvent(at=0.0, partition=tuple(cut)))
     for sender, receiver in PAIRS:
         reached = network.due(sender, receiver, 1.0) is not None
         assert reached == ("arm" not in (sender, receiver))
 
 
 def test_an_impairment_can_be_ended() -> None:
-    network = links(Impairment("partition", frozenset({"arm"})))
+    network = links(ChaosEvent(at=0.0, partition=("arm",)))
     network.impairments.clear()
     assert network.due("arm", "robot", 1.0) == 1.0
 
 
 def test_delays_affect_all_traffic_of_their_hosts_and_add_up() -> None:
     network = links(
-        Impairment("delay", frozenset({"arm"}), time=0.02),
-        Impairment("delay", frozenset({"arm", "base"}), time=0.1),
+        ChaosEvent(at=0.0, delay=("arm",), time=0.02),
+        ChaosEvent(at=0.0, delay=("arm", "base"), time=0.1),
     )
     assert network.due("arm", "robot", 1.0) == pytest.approx(1.12)
     assert network.due("arm", "base", 1.0) == pytest.approx(1.12)
@@ -43,7 +44,7 @@ def test_delays_affect_all_traffic_of_their_hosts_and_add_up() -> None:
 
 
 def test_jitter_varies_the_delay_and_keeps_the_order() -> None:
-    network = links(Impairment("delay", frozenset({"arm"}), time=0.02, jitter=0.005))
+    network = links(ChaosEvent(at=0.0, delay=("arm",), time=0.02, jitter=0.005))
     sent = [index * 1e-3 for index in range(1000)]
     came = [network.due("arm", "robot", now) or 0.0 for now in sent]
     assert came == sorted(came)
@@ -53,7 +54,7 @@ def test_jitter_varies_the_delay_and_keeps_the_order() -> None:
 
 
 def test_loss_drops_a_share_of_the_packets() -> None:
-    network = links(Impairment("loss", frozenset({"arm"}), share=0.02))
+    network = links(ChaosEvent(at=0.0, loss=("arm",), share=0.02))
     lost = sum(network.due("robot", "arm", 0.0) is None for _ in range(10_000))
     assert 150 < lost < 250
     assert all(network.due("robot", "base", 0.0) is not None for _ in range(1000))
