@@ -5,14 +5,14 @@ from typing import Annotated, ClassVar
 
 from plant.errors import MsmaError
 from plant.faults import Fault
-from runtime.config.hosts import Host
-from runtime.config.kinds import OneOrMore, Range, Scope
+from runtime.config.hosts import SOME_HOSTS
+from runtime.config.kinds import Quantity, Scope
 from runtime.config.specs import Role
 from runtime.config.tree import YamlNode
 
-Hosts = Annotated[tuple[Host, ...], OneOrMore()]
-Seconds = Annotated[float, "s", Range(such_as="2 s", above=0)]
-Share = Annotated[float, Range(such_as="2 %", above=0, most=1)]
+Hosts = Annotated[tuple[str, ...], SOME_HOSTS]
+Seconds = Annotated[float, Quantity("2 s", "s", above=0)]
+Share = Annotated[float, Quantity("2 %", above=0, most=1)]
 
 LAUNCHER, WATCHER = "launcher", "watcher"
 """Targets of chaos besides roles: the launcher, and every `msma status --watch` on its host."""
@@ -41,7 +41,7 @@ class ChaosEvent:
         share: Share of the packets that are lost, 0 to 1.
     """
 
-    at: Annotated[float, "s", Range(such_as="5 s", least=0)]
+    at: Annotated[float, Quantity("5 s", "s", least=0)]
     kill: Role | None = None
     hang: Role | None = None
     stop: Role | None = None
@@ -52,7 +52,7 @@ class ChaosEvent:
     loss: Hosts | None = None
     for_: Seconds | None = None
     time: Seconds | None = None
-    jitter: Annotated[float, "s", Range(such_as="5 ms", least=0)] | None = None
+    jitter: Annotated[float, Quantity("5 ms", "s", least=0)] | None = None
     share: Share | None = None
 
     of_network: ClassVar[tuple[str, ...]] = ("partition", "delay", "loss")

@@ -12,7 +12,7 @@ from agents.agent import Agent
 from plant.plant import Plant
 from runtime.config.chaos import LAUNCHER, WATCHER, ChaosEvent
 from runtime.config.hosts import HostSpec, NewHost, Router, here_alone
-from runtime.config.kinds import Output, Pattern, Range, Scope
+from runtime.config.kinds import File, Quantity, Scope, Text, Whole
 from runtime.config.overrides import Override
 from runtime.config.random_chaos import RandomChaos
 from runtime.config.reading import Derived, kind_of
@@ -25,9 +25,9 @@ from runtime.wire.mesh import FIRST_COPY, LOOPBACK, SLOTS, Mesh, port_base
 from runtime.wire.security import Credentials
 from runtime.wire.topics import Contract, ContractError, Topic, file_name
 
-Name = Annotated[str, Pattern("[A-Za-z0-9][A-Za-z0-9_-]{0,63}", "a robot's name", "arph")]
+Name = Annotated[str, Text("arph", "a robot's name", "[A-Za-z0-9][A-Za-z0-9_-]{0,63}")]
 Scheduling = Literal["auto", "normal", "realtime"]
-Port = Annotated[int, Range(such_as="7600", least=1024, most=65536 - SLOTS)]
+Port = Annotated[int, Whole("7600", least=1024, most=65536 - SLOTS)]
 
 
 class ProcessSpec(NamedTuple):
@@ -74,16 +74,16 @@ class Deployment:
 
     robot: Name
     description: Description
-    period: Annotated[float, "s", Range(such_as="60 ms", above=0, most=10)]
-    duration: Annotated[float, "s", Range(such_as="24 s", above=0)] | None = None
-    tolerance: Annotated[float, "m", Range(such_as="3 mm", above=0)] = 0.003
-    seed: Annotated[int, Range(such_as="1", least=0)] = 1
-    speed: Annotated[float, Range(such_as="1", above=0)] = 1.0
-    patience: Annotated[float, "s", Range(such_as="10 s", above=0)] = 10.0
+    period: Annotated[float, Quantity("60 ms", "s", above=0, most=10)]
+    duration: Annotated[float, Quantity("24 s", "s", above=0)] | None = None
+    tolerance: Annotated[float, Quantity("3 mm", "m", above=0)] = 0.003
+    seed: Annotated[int, Whole("1", least=0)] = 1
+    speed: Annotated[float, Quantity("1", above=0)] = 1.0
+    patience: Annotated[float, Quantity("10 s", "s", above=0)] = 10.0
     port: Annotated[Port, Derived(lambda scope: port_base(scope["robot"]))]
     scheduling: Scheduling = "auto"
-    runs: Annotated[Path, Output(), Derived(lambda _: Path.cwd() / "runs")]
-    log_megabytes: Annotated[int, Range(such_as="512", least=1)] = LOG_MEGABYTES
+    runs: Annotated[Path, File("runs", output=True), Derived(lambda _: Path.cwd() / "runs")]
+    log_megabytes: Annotated[int, Whole("512", least=1)] = LOG_MEGABYTES
     modules: Annotated[Path, Derived(lambda scope: scope["folder"])]
     hosts: Annotated[Mapping[NewHost, HostSpec], Derived(here_alone)]
     routers: tuple[Router, ...] = ()

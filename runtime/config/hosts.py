@@ -4,20 +4,31 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, ClassVar
 
-from runtime.config.kinds import Among, OneOrMore, Pattern, Scope
+from runtime.config.kinds import Items, Scope, Text
 from runtime.config.reading import Derived
 from runtime.config.tree import YamlNode
+from runtime.errors import valid_are
 from runtime.wire.mesh import LOOPBACK
 
-_NAME = Pattern("[A-Za-z0-9][A-Za-z0-9._-]*", "a host's name", "arm")
-NewHost = Annotated[str, _NAME]
-Host = Annotated[str, _NAME, Among("hosts", "host")]
-"""The name of one of the deployment's hosts."""
+
+class _Host(Text):
+    """The name of one of the deployment's hosts."""
+
+    def read(self, node: YamlNode, scope: Scope) -> str:
+        name, names = super().read(node, scope), scope["hosts"]
+        if name not in names:
+            raise node.error(f"there is no host {name!r}{valid_are(name, names)}")
+        return name
+
+
+_NAME = ("arm", "a host's name", "[A-Za-z0-9][A-Za-z0-9._-]*")
+NewHost = Annotated[str, Text(*_NAME)]
+SOME_HOSTS = Items("arm", (_Host(*_NAME),), many=True, bare=True)
 HostAddress = Annotated[
-    str, Pattern("[A-Za-z0-9][A-Za-z0-9._-]*|[0-9A-Fa-f:.]+", "an address", "192.168.0.11")
+    str, Text("192.168.0.11", "an address", "[A-Za-z0-9][A-Za-z0-9._-]*|[0-9A-Fa-f:.]+")
 ]
 Router = Annotated[
-    str, Pattern(r"([A-Za-z0-9._-]+|\[[0-9A-Fa-f:.]+\]):[0-9]{1,5}", "a router", "192.168.0.2:7447")
+    str, Text("192.168.0.2:7447", "a router", r"([A-Za-z0-9._-]+|\[[0-9A-Fa-f:.]+\]):[0-9]{1,5}")
 ]
 _EVERYWHERE = ("0.0.0.0", "::")
 
@@ -58,7 +69,7 @@ def _first(scope: Scope) -> str:
     return next(iter(hosts))
 
 
-Home = Annotated[Host, Derived(_first)]
+Home = Annotated[str, _Host(*_NAME), Derived(_first)]
 """The host of a process; by default the first of the deployment."""
-Homes = Annotated[tuple[Host, ...], OneOrMore(), Derived(lambda scope: (_first(scope),))]
+Homes = Annotated[tuple[str, ...], SOME_HOSTS, Derived(lambda scope: (_first(scope),))]
 """The hosts of a process and of its copies."""

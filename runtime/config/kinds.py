@@ -7,7 +7,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from plant.units import Unit, UnitError, parse_quantity
 from runtime.config.tree import YamlNode
@@ -17,17 +17,35 @@ Scope = Mapping[str, Any]
 """Values read earlier, of the same and the enclosing mappings, by attribute name."""
 
 
-class Range(NamedTuple):
-    """Annotation: the bounds of a number.
+@dataclass(frozen=True)
+class Kind(ABC):
+    """A kind of value; as an annotation it says how the annotated value is read.
 
     Attributes:
-        such_as: An example within the bounds.
+        such_as: An example, for messages.
+    """
+
+    such_as: str
+
+    @abstractmethod
+    def read(self, node: YamlNode, scope: Scope) -> Any:
+        """Return the value of a node, or raise its `ConfigError`."""
+
+    def write(self, value: Any) -> Any:
+        """Return plain data that `read` turns into the value again."""
+        return value
+
+
+@dataclass(frozen=True, kw_only=True)
+class Number(Kind):
+    """A number within bounds.
+
+    Attributes:
         above: Exclusive lower bound in SI units.
         least: Lower bound in SI units.
         most: Upper bound in SI units.
     """
 
-    such_as: str
     above: float = -math.inf
     least: float = -math.inf
     most: float = math.inf
@@ -43,75 +61,18 @@ class Range(NamedTuple):
         raise node.error(f"{node.text} must be {bound.strip()}, such as {self.such_as}")
 
 
-class Pattern(NamedTuple):
-    """Annotation: what a text must look like.
-
-    Attributes:
-        regex: The pattern that the whole text must match.
-        what: What such a text is called, for messages.
-        such_as: An example.
-    """
-
-    regex: str
-    what: str
-    such_as: str
-
-
-class Among(NamedTuple):
-    """Annotation: a text must be a name in a mapping that was read earlier.
-
-    Attributes:
-        names: The attribute that holds the mapping.
-        what: What such a name is called, for messages.
-    """
-
-    names: str
-    what: str
-
-
-class OneOrMore(NamedTuple):
-    """Annotation: a list with at least one value; a single one needs no brackets."""
-
-
-class Output(NamedTuple):
-    """Annotation: an output path, which need not exist; relative to the current folder."""
-
-
-class Kind(ABC):
-    """A kind of value."""
-
-    @property
-    @abstractmethod
-    def such_as(self) -> str:
-        """An example, for messages."""
-
-    @abstractmethod
-    def read(self, node: YamlNode, scope: Scope) -> Any:
-        """Return the value of a node, or raise its `ConfigError`."""
-
-    def write(self, value: Any) -> Any:
-        """Return plain data that `read` turns into the value again."""
-        return value
-
-
 @dataclass(frozen=True)
-class Quantity(Kind):
+class Quantity(Number):
     """A number with a unit; a number without a unit is in SI units."""
 
-    unit: Unit
-    range: Range | None
-
-    @property
-    def such_as(self) -> str:
-        return self.range.such_as if self.range else f"0 {self.unit}".removesuffix(" 1")
+    unit: Unit = "1"
 
     def read(self, node: YamlNode, scope: Scope) -> float:
         try:
             value = parse_quantity(node.text, self.unit)
         except UnitError as error:
             raise node.error(str(error)) from None
-        if self.range:
-            self.range.check(value, node, self.unit.removeprefix("1"))
+        self.check(value, node, self.unit.removeprefix("1"))
         return value
 
     def write(self, value: Any) -> float | str:
@@ -119,32 +80,21 @@ class Quantity(Kind):
 
 
 @dataclass(frozen=True)
-class Whole(Kind):
+class Whole(Number):
     """A whole number."""
-
-    range: Range | None
-
-    @property
-    def such_as(self) -> str:
-        return self.range.such_as if self.range else "1"
 
     def read(self, node: YamlNode, scope: Scope) -> int:
         if not re.fullmatch("[+-]?[0-9]{1,99}", node.text):
             raise node.error(f"{node.text!r} is not a whole number, such as {self.such_as}")
-        if self.range:
-            self.range.check(int(node.text), node)
+        self.check(int(node.text), node)
         return int(node.text)
 
 
 @dataclass(frozen=True)
 class Choice(Kind):
-    """One of several words; different words may have the same value."""
+    """One of several words, in any case; different words may have the same value."""
 
     values: Mapping[str, Any]
-
-    @property
-    def such_as(self) -> str:
-        return next(iter(self.values))
 
     def read(self, node: YamlNode, scope: Scope) -> Any:
         word = node.text if node.text in self.values else node.text.lower()
@@ -155,42 +105,39 @@ class Choice(Kind):
 
 @dataclass(frozen=True)
 class Text(Kind):
-    """Text, optionally with a pattern to match, and a mapping that it is a name in."""
+    """Text as it was written.
 
-    pattern: Pattern | None
-    among: Among | None = None
+    Attributes:
+        what: What such a text is called, for messages.
+        regex: The pattern that the whole text must match.
+    """
 
-    @property
-    def such_as(self) -> str:
-        return self.pattern.such_as if self.pattern else "text"
+    what: str = "text"
+    regex: str = ".*"
 
     def read(self, node: YamlNode, scope: Scope) -> str:
-        regex, what, _ = self.pattern or (".*", "text", "")
-        if not isinstance(node.value, str) or not re.fullmatch(regex, node.value, re.DOTALL):
-            raise node.error(f"{node.text!r} is not {what}, such as {self.such_as}")
-        if self.among and node.value not in (names := scope[self.among.names]):
-            hint = valid_are(node.value, names)
-            raise node.error(f"there is no {self.among.what} {node.value!r}{hint}")
+        if not isinstance(node.value, str) or not re.fullmatch(self.regex, node.value, re.DOTALL):
+            raise node.error(f"{node.text!r} is not {self.what}, such as {self.such_as}")
         return node.value
 
 
 @dataclass(frozen=True)
 class File(Kind):
-    """A path, relative to the file that names it; it must exist unless it is for output."""
+    """A path, relative to the file that names it, which must exist.
 
-    output: bool
+    Attributes:
+        output: Whether it need not exist, and is relative to the current folder.
+    """
 
-    @property
-    def such_as(self) -> str:
-        return "runs" if self.output else "path.csv"
+    output: bool = False
 
     def read(self, node: YamlNode, scope: Scope) -> Path:
-        text = Text(Pattern(".+", "a path", self.such_as)).read(node, scope)
-        folder = Path.cwd() if self.output else node.location.folder
-        path = os.path.abspath(folder / os.path.expanduser(text))
+        text = Text(self.such_as, "a path", ".+").read(node, scope)
+        start = node.location._replace(folder=Path.cwd()) if self.output else node.location
+        path = start.absolute(text)
         if not self.output and not os.path.exists(path):
             raise node.error(f"there is no file {path}")
-        return Path(path)
+        return path
 
     def write(self, value: Any) -> str:
         return str(value)
@@ -207,14 +154,8 @@ class Items(Kind):
     """
 
     kinds: tuple[Kind, ...]
-    many: bool
+    many: bool = False
     bare: bool = False
-
-    @property
-    def such_as(self) -> str:
-        if self.bare:
-            return self.kinds[0].such_as
-        return f"[{', '.join(kind.such_as for kind in self.kinds)}]"
 
     def read(self, node: YamlNode, scope: Scope) -> tuple[Any, ...]:
         if self.bare and not isinstance(node.value, list):
@@ -239,14 +180,10 @@ class Items(Kind):
 
 @dataclass(frozen=True)
 class Table(Kind):
-    """A mapping from names chosen by the user to values of one kind."""
+    """A mapping from names chosen by the user to values of one kind, in the order as written."""
 
     key: Kind
     value: Kind
-
-    @property
-    def such_as(self) -> str:
-        return f"{{{self.key.such_as}: {self.value.such_as}}}"
 
     def read(self, node: YamlNode, scope: Scope) -> dict[str, Any]:
         if not isinstance(node.value, dict) or not node.value:
@@ -260,14 +197,23 @@ class Table(Kind):
 
 
 @dataclass(frozen=True)
+class Custom(Kind):
+    """A class that reads a value by its own `from_node(node, scope)`, and `str` writes it."""
+
+    type: Any
+
+    def read(self, node: YamlNode, scope: Scope) -> Any:
+        return self.type.from_node(node, scope)
+
+    def write(self, value: Any) -> str:
+        return str(value)
+
+
+@dataclass(frozen=True)
 class Maybe(Kind):
     """A value, or null for None."""
 
     kind: Kind
-
-    @property
-    def such_as(self) -> str:
-        return self.kind.such_as
 
     def read(self, node: YamlNode, scope: Scope) -> Any:
         return None if node.value is None else self.kind.read(node, scope)

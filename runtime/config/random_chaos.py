@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 import numpy as np
 
 from runtime.config.chaos import LAUNCHER, WATCHER, ChaosEvent, Seconds
-from runtime.config.kinds import Range, Scope
+from runtime.config.kinds import Quantity, Scope, Whole
 from runtime.config.reading import Derived
 from runtime.config.specs import Role
 from runtime.config.tree import YamlNode
@@ -29,11 +29,11 @@ class RandomChaos:
         seed: Seed of the draws; by default that of the deployment.
     """
 
-    rate: Annotated[float, "Hz", Range(such_as="0.1 Hz", above=0, most=100)]
+    rate: Annotated[float, Quantity("0.1 Hz", "Hz", above=0, most=100)]
     roles: tuple[Role, ...] = ()
     manners: tuple[Manner, ...] = MANNERS
     lasting: tuple[Seconds, Seconds] = (0.5, 3.0)
-    seed: Annotated[int, Range(such_as="1", least=0), Derived(lambda scope: scope["seed"])]
+    seed: Annotated[int, Whole("1", least=0), Derived(lambda scope: scope["seed"])]
 
     def check(self, node: YamlNode, scope: Scope) -> None:
         """Refuse a specification that no faults can be drawn from."""

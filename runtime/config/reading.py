@@ -3,8 +3,7 @@
 What a value may be is stated once, where it is declared: in a dataclass, or in the signature of a
 class that a deployment names. `kind_of` understands `float`, `int`, `bool`, `str`, `Path`,
 `Literal`, `tuple`, `Mapping`, `X | None`, dataclasses, classes with a `from_node`, and `Annotated`
-with a unit such as "m/s", which applies to all numbers of a tuple, or with one of the annotations
-in `kinds`.
+with a unit such as "m/s", which applies to all numbers of a tuple, or with a `Kind`.
 """
 
 import inspect
@@ -15,41 +14,17 @@ from dataclasses import MISSING, dataclass, fields, is_dataclass
 from functools import cache
 from pathlib import Path
 from types import NoneType, UnionType
-from typing import (
-    Annotated,
-    Any,
-    Literal,
-    NamedTuple,
-    TypeVar,
-    Union,
-    get_args,
-    get_origin,
-    get_type_hints,
-)
+from typing import Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin, get_type_hints
 
 from plant.units import Unit
-from runtime.config.kinds import (
-    Among,
-    Choice,
-    File,
-    Items,
-    Kind,
-    Maybe,
-    OneOrMore,
-    Output,
-    Pattern,
-    Quantity,
-    Range,
-    Scope,
-    Table,
-    Text,
-    Whole,
-)
+from runtime.config import kinds
+from runtime.config.kinds import Kind, Scope
 from runtime.config.tree import YamlNode
 from runtime.errors import nearest
 
-_M = TypeVar("_M")
-_TRUTH = Choice({"true": True, "yes": True, "on": True, "false": False, "no": False, "off": False})
+_TRUTH = kinds.Choice(
+    "true", {"true": True, "yes": True, "on": True, "false": False, "no": False, "off": False}
+)
 
 
 class Derived(NamedTuple):
@@ -74,14 +49,12 @@ class Field:
     """A key of a mapping, by the name of the attribute or parameter.
 
     Attributes:
-        default: Its default; `MISSING` if there is none, or if it is derived.
-        derived: How its default is computed, if it is.
+        default: Its default, a `Derived` one, or `MISSING` if there is none.
     """
 
     name: str
     kind: Kind
     default: Any
-    derived: Derived | None = None
 
     @property
     def key(self) -> str:
@@ -91,14 +64,14 @@ class Field:
     @property
     def required(self) -> bool:
         """Whether it has no default."""
-        return self.default is MISSING and not self.derived and not isinstance(self.kind, Structure)
+        return self.default is MISSING and not isinstance(self.kind, Structure)
 
     def read(self, node: YamlNode, scope: Scope) -> Any:
         """Return its value in the mapping `node`, or its default."""
         if self.key in node.children:
             return self.kind.read(node.children[self.key], scope)
-        if self.derived:
-            return self.derived.make(scope)
+        if isinstance(self.default, Derived):
+            return self.default.make(scope)
         if self.default is not MISSING:
             return self.default
         if isinstance(self.kind, Structure):  # which may have defaults for all its keys
@@ -129,13 +102,6 @@ class Structure(Kind):
     type: type[Any]
     fields: tuple[Field, ...]
     rest: tuple[str, Rest] | None
-
-    @property
-    def such_as(self) -> str:
-        first = self.fields[0]
-        if hasattr(self.type, "short"):
-            return first.kind.such_as
-        return f"{{{first.key}: {first.kind.such_as}, ...}}"
 
     def read(self, node: YamlNode, scope: Scope) -> Any:
         if isinstance(node.value, str) and (short := getattr(self.type, "short", "")):
@@ -172,37 +138,13 @@ class Structure(Kind):
         return {field.name: field.read(node, scope) for field in fields}
 
     def write(self, value: Any) -> dict[str, Any]:
-        plain: dict[str, Any] = {}
-        for field in self.fields:
-            plain |= field.write(getattr(value, field.name))
-        if self.rest:
-            name, rest = self.rest
-            others = getattr(value, name)
-            fields = rest.find(vars(value))
-            if fields is None:
-                plain.update(others)
-                return plain
-            for field in fields:
-                plain |= field.write(others[field.name])
+        name, rest = self.rest or ("", None)
+        others = vars(value).get(name, {})
+        fields = rest.find(vars(value)) if rest else ()
+        plain = dict(others) if fields is None else {}
+        for field in (*self.fields, *(fields or ())):
+            plain |= field.write((vars(value) | others)[field.name])
         return plain
-
-
-@dataclass(frozen=True)
-class Custom(Kind):
-    """A class that reads a value by its own `from_node(node, scope)`, and `str` writes it."""
-
-    type: Any
-
-    @property
-    def such_as(self) -> str:
-        example: str = self.type.such_as
-        return example
-
-    def read(self, node: YamlNode, scope: Scope) -> Any:
-        return self.type.from_node(node, scope)
-
-    def write(self, value: Any) -> str:
-        return str(value)
 
 
 def _refuse_others(node: YamlNode, fields: Sequence[Field], allowed: bool = False) -> None:
@@ -225,30 +167,33 @@ def kind_of(annotation: Any, unit: Unit = "1") -> Kind:
         TypeError: A file cannot hold such a value.
     """
     base, *marks = get_args(annotation) if get_origin(annotation) is Annotated else [annotation]
+    given: Kind | None = _find(marks, Kind)
+    if given:
+        return given
     unit = next((mark for mark in marks if mark in get_args(Unit)), unit)
-    bounds = _find(marks, Range)
     origin, args = get_origin(base), get_args(base)
     if origin in (Union, UnionType) and NoneType in args and len(args) == 2:
-        inner = next(arg for arg in args if arg is not NoneType)
-        return Maybe(kind_of(Annotated[inner, *marks] if marks else inner, unit))
+        inner = kind_of(next(arg for arg in args if arg is not NoneType), unit)
+        return kinds.Maybe(inner.such_as, inner)
     if origin is tuple:
-        many = args[-1:] == (Ellipsis,)
         items = tuple(kind_of(arg, unit) for arg in args if arg is not Ellipsis)
-        return Items(items, many, bare=_find(marks, OneOrMore) is not None)
+        such_as = f"[{', '.join(item.such_as for item in items)}]"
+        return kinds.Items(such_as, items, many=args[-1:] == (Ellipsis,))
     if origin is Mapping:
-        return Table(*(kind_of(arg) for arg in args))
+        key, value = map(kind_of, args)
+        return kinds.Table(f"{{{key.such_as}: {value.such_as}}}", key, value)
     if origin is Literal:
-        return Choice({str(value): value for value in args})
+        return kinds.Choice(str(args[0]), {str(value): value for value in args})
     if hasattr(base, "from_node"):
-        return Custom(base)
+        return kinds.Custom(base.such_as, base)
     if is_dataclass(base):
         return _structure(base)
     leaves: dict[Any, Kind] = {
-        float: Quantity(unit, bounds),
-        int: Whole(bounds),
+        float: kinds.Quantity(f"0 {unit}".removesuffix(" 1"), unit),
+        int: kinds.Whole("1"),
         bool: _TRUTH,
-        str: Text(_find(marks, Pattern), _find(marks, Among)),
-        Path: File(output=_find(marks, Output) is not None),
+        str: kinds.Text("text"),
+        Path: kinds.File("path.csv"),
     }
     if base not in leaves:
         raise TypeError(f"a file cannot hold a {base!r}")
@@ -263,9 +208,11 @@ def _structure(cls: Any) -> Structure:
         if others := _find(marks, Rest):
             rest = (field.name, others)
             continue
-        derived = _find(marks, Derived)
-        found.append(Field(field.name, kind_of(hints[field.name]), field.default, derived))
-    return Structure(cls, tuple(found), rest)
+        default = _find(marks, Derived) or field.default
+        found.append(Field(field.name, kind_of(hints[field.name]), default))
+    first = found[0].kind.such_as
+    such_as = first if hasattr(cls, "short") else f"{{{found[0].key}: {first}, ...}}"
+    return Structure(such_as, cls, tuple(found), rest)
 
 
 def parameters_of(factory: Callable[..., Any]) -> tuple[Field, ...]:
@@ -288,5 +235,5 @@ def parameters_of(factory: Callable[..., Any]) -> tuple[Field, ...]:
     return tuple(found)
 
 
-def _find(marks: Iterable[Any], wanted: type[_M]) -> _M | None:
+def _find(marks: Iterable[Any], wanted: type[Any]) -> Any:
     return next((mark for mark in marks if isinstance(mark, wanted)), None)

@@ -6,8 +6,8 @@ import re
 from dataclasses import MISSING
 from typing import Any
 
-from runtime.config.kinds import Choice, Items, Kind, Maybe, Quantity, Range, Table, Text, Whole
-from runtime.config.reading import Structure, kind_of
+from runtime.config.kinds import Choice, Items, Kind, Maybe, Number, Quantity, Table, Text, Whole
+from runtime.config.reading import Derived, Structure, kind_of
 
 _NUMBER = r"([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?"
 
@@ -22,32 +22,31 @@ def schema(annotation: Any) -> dict[str, Any]:
 
 def _of(kind: Kind) -> dict[str, Any]:
     match kind:
-        case Quantity(_, bounds):
-            sign = r"\+?" if bounds and max(bounds.above, bounds.least) >= 0 else "[+-]?"
+        case Quantity():
+            sign = r"\+?" if max(kind.above, kind.least) >= 0 else "[+-]?"
             text = {"type": "string", "pattern": rf"^\s*{sign}{_NUMBER}(\s*[^0-9\s.+-]\S*)?\s*$"}
-            return {"anyOf": [{"type": "number", **_bounds(bounds)}, text]}
-        case Whole(bounds):
-            return {"type": "integer", **_bounds(bounds)}
-        case Choice(values) if all(isinstance(value, bool) for value in values.values()):
+            return {"anyOf": [{"type": "number", **_bounds(kind)}, text]}
+        case Whole():
+            return {"type": "integer", **_bounds(kind)}
+        case Choice() if all(isinstance(value, bool) for value in kind.values.values()):
             return {"type": "boolean"}
-        case Choice(values):
-            return {"enum": list(values)}
-        case Text(pattern) if pattern:
-            return {"type": "string", "pattern": f"^({pattern.regex})$"}
-        case Items(kinds, bare=True):
-            one = _of(kinds[0])
+        case Choice():
+            return {"enum": list(kind.values)}
+        case Text() if kind.regex != Text.regex:
+            return {"type": "string", "pattern": f"^({kind.regex})$"}
+        case Items(bare=True):
+            one = _of(kind.kinds[0])
             return {"anyOf": [one, {"type": "array", "items": one, "minItems": 1}]}
-        case Items(kinds, many=True):
-            return {"type": "array", "items": _of(kinds[0])}
-        case Items(kinds):
-            items = [_of(each) for each in kinds]
-            count = len(kinds)
+        case Items(many=True):
+            return {"type": "array", "items": _of(kind.kinds[0])}
+        case Items():
+            items, count = [_of(each) for each in kind.kinds], len(kind.kinds)
             return {"type": "array", "prefixItems": items, "minItems": count, "maxItems": count}
-        case Maybe(inner):
-            return {"anyOf": [_of(inner), {"type": "null"}]}
-        case Table(key, value):
-            names = _of(key)
-            return {"type": "object", "propertyNames": names, "additionalProperties": _of(value)}
+        case Maybe():
+            return {"anyOf": [_of(kind.kind), {"type": "null"}]}
+        case Table():
+            names, values = _of(kind.key), _of(kind.value)
+            return {"type": "object", "propertyNames": names, "additionalProperties": values}
         case Structure(type=of) if hasattr(of, "short"):
             short = next(field.kind for field in kind.fields if field.name == of.short)
             return {"anyOf": [_of(short), _object(kind)]}
@@ -57,10 +56,8 @@ def _of(kind: Kind) -> dict[str, Any]:
             return {"type": "string", "examples": [kind.such_as]}
 
 
-def _bounds(bounds: Range | None) -> dict[str, float]:
-    if bounds is None:
-        return {}
-    named = {"exclusiveMinimum": bounds.above, "minimum": bounds.least, "maximum": bounds.most}
+def _bounds(kind: Number) -> dict[str, float]:
+    named = {"exclusiveMinimum": kind.above, "minimum": kind.least, "maximum": kind.most}
     return {name: bound for name, bound in named.items() if math.isfinite(bound)}
 
 
@@ -69,7 +66,7 @@ def _object(kind: Structure) -> dict[str, Any]:
     properties = {}
     for field in kind.fields:
         properties[field.key] = _of(field.kind) | _note(doc, field.name)
-        if field.default not in (MISSING, None):
+        if field.default not in (MISSING, None) and not isinstance(field.default, Derived):
             properties[field.key]["default"] = field.kind.write(field.default)
     result = {
         "type": "object",

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import ClassVar, Self
 
-from runtime.config.kinds import Pattern, Scope, Text
+from runtime.config.kinds import Scope, Text
 from runtime.config.tree import ConfigError, YamlNode
 from runtime.wire.security import Credentials
 from runtime.wire.topics import STANDARD, Contract
@@ -30,9 +30,8 @@ class KeyFolder:
     @classmethod
     def from_node(cls, node: YamlNode, scope: Scope) -> Self:
         """Read a path that is relative to the file that names it."""
-        text = Text(Pattern(".+", "a folder", cls.such_as)).read(node, scope)
-        path = os.path.abspath(node.location.folder / os.path.expanduser(text))
-        return cls(Path(path), node.location.source)
+        text = Text(cls.such_as, "a folder", ".+").read(node, scope)
+        return cls(node.location.absolute(text), node.location.source)
 
     def __str__(self) -> str:
         return str(self.path)

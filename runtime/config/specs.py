@@ -4,30 +4,30 @@ import math
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
 
 from agents.agent import Agent, Body
-from agents.paths import Path as GoalPath
+from agents.paths import Path
 from plant import urdf
 from plant.plant import Plant, Setup
 from plant.robot import Robot
-from runtime.config.classes import AgentClass, NodeClass, PathClass, PlantClass
+from runtime.config.classes import ClassName, ClassOf
 from runtime.config.hosts import Home, Homes
-from runtime.config.kinds import Pattern, Range, Scope, Text
+from runtime.config.kinds import Quantity, Scope, Text, Whole
 from runtime.config.reading import Derived, Rest
 from runtime.config.tree import Location, YamlNode
 from runtime.errors import valid_are
 from runtime.processes.node import Node
 from runtime.wire.own_topics import topic_of
 from runtime.wire.security import OPERATOR
-from runtime.wire.topics import Topic
+from runtime.wire.topics import GOAL_SOURCE, PLANT, Topic
 
-Role = Annotated[str, Pattern("[a-z][a-z0-9_-]*(/[0-9]+)?", "a role", "joint/1")]
+Role = Annotated[str, Text("joint/1", "a role", "[a-z][a-z0-9_-]*(/[0-9]+)?")]
 _TAKEN = ("plant", "goal", "joint", "platform", "launcher", "watcher", "successor", OPERATOR, "ca")
 """Reserved role names: those of other processes, logs and certificates."""
+_PLANT = ClassOf("plant.kinematic:KinematicPlant", Plant, PLANT)
 Metres = Annotated[float, "m"]
 Radians = Annotated[float, "rad"]
 
@@ -48,9 +48,9 @@ class Description:
     @classmethod
     def from_node(cls, node: YamlNode, scope: Scope) -> Self:
         """Load the robot; a path is relative to the file that names it."""
-        source = Text(None).read(node, scope)
-        if Path(source).suffix or os.sep in source:
-            source = os.path.abspath(node.location.folder / os.path.expanduser(source))
+        source = Text(cls.such_as).read(node, scope)
+        if os.path.splitext(source)[1] or os.sep in source:
+            source = str(node.location.absolute(source))
         try:
             return cls(source, urdf.load(source))
         except (OSError, ValueError) as error:
@@ -70,9 +70,9 @@ Parameters = Annotated[Mapping[str, Any], Rest(lambda scope: scope["class_"].par
 """The parameters of a class in SI units, with defaults; as written if it is not loaded."""
 
 
-def _kinematic(scope: Scope) -> PlantClass:
+def _kinematic(scope: Scope) -> ClassName[Plant]:
     location = Location("the default plant", scope["folder"])
-    return PlantClass.from_node(YamlNode(location, PlantClass.such_as), scope)
+    return _PLANT.read(YamlNode(location, _PLANT.such_as), scope)
 
 
 def _home(scope: Scope) -> tuple[float, ...]:
@@ -130,9 +130,9 @@ class PlantSpec:
         host: Its host; by default the first one.
     """
 
-    class_: Annotated[PlantClass, Derived(_kinematic)]
+    class_: Annotated[ClassName[Plant], _PLANT, Derived(_kinematic)]
     hold: Annotated[
-        float, "s", Range(such_as="240 ms", above=0), Derived(lambda scope: 4 * scope["period"])
+        float, Quantity("240 ms", "s", above=0), Derived(lambda scope: 4 * scope["period"])
     ]
     host: Home
     parameters: Parameters
@@ -145,8 +145,7 @@ class PlantSpec:
     def build(self, robot: Robot, start: Start, period: float, seed: Sequence[int]) -> Plant:
         """Make the plant, not connected yet, with a control period [s]."""
         setup = Setup(robot, start.joints, start.platform, period=period, seed=seed)
-        plant: Plant = self.class_.make(setup, **self.parameters)
-        return plant
+        return self.class_.make(setup, **self.parameters)
 
     def check(self, node: YamlNode, scope: Scope) -> None:
         """Refuse a short hold, and parameters that the class refuses."""
@@ -167,14 +166,13 @@ class GoalSpec:
         host: Its host; by default the first one.
     """
 
-    class_: PathClass
+    class_: Annotated[ClassName[Path], ClassOf("agents.paths:Line", Path, GOAL_SOURCE)]
     host: Home
     parameters: Parameters
 
-    def build(self) -> GoalPath:
+    def build(self) -> Path:
         """Make the path."""
-        path: GoalPath = self.class_.make(**self.parameters)
-        return path
+        return self.class_.make(**self.parameters)
 
     def check(self, node: YamlNode, scope: Scope) -> None:
         """Refuse parameters that the class refuses."""
@@ -194,9 +192,9 @@ class AgentSpec:
     """
 
     role: Role
-    class_: AgentClass
+    class_: Annotated[ClassName[Agent], ClassOf("agents.joint:JointAgent", Agent)]
     host: Homes
-    copies: Annotated[int, Range(such_as="2", least=1, most=8)] = 1
+    copies: Annotated[int, Whole("2", least=1, most=8)] = 1
     parameters: Parameters
 
     @property
@@ -207,8 +205,7 @@ class AgentSpec:
 
     def build(self, robot: Robot, period: float, seed: Sequence[int]) -> Agent:
         """Make the agent for a robot and a control period [s]."""
-        agent: Agent = self.class_.make(Body(robot, self.joint, period, seed), **self.parameters)
-        return agent
+        return self.class_.make(Body(robot, self.joint, period, seed), **self.parameters)
 
     def check(self, node: YamlNode, scope: Scope) -> None:
         """Refuse an unknown role, too many hosts, and parameters that the class refuses."""
@@ -234,7 +231,7 @@ class NodeSpec:
     """
 
     role: Role
-    class_: NodeClass
+    class_: Annotated[ClassName[Node], ClassOf("mine:Camera", Node)]
     host: Home
     parameters: Parameters
 
@@ -245,8 +242,7 @@ class NodeSpec:
 
     def build(self) -> Node:
         """Make the node."""
-        node: Node = self.class_.make(**self.parameters)
-        return node
+        return self.class_.make(**self.parameters)
 
     def check(self, node: YamlNode, scope: Scope) -> None:
         """Refuse a reserved role, and parameters that the class refuses."""

@@ -37,6 +37,10 @@ class Location(NamedTuple):
     line: int = 0
     column: int = 0
 
+    def absolute(self, path: str) -> Path:
+        """Return the absolute path of what a value here names."""
+        return Path(os.path.abspath(self.folder / os.path.expanduser(path)))
+
     def __str__(self) -> str:
         return f"{self.source}:{self.line}:{self.column}" if self.line else self.source
 

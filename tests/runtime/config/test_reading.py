@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 import pytest
 import yaml
 
-from runtime.config.kinds import Output, Pattern, Range, Scope
+from runtime.config.kinds import File, Quantity, Scope, Text, Whole
 from runtime.config.reading import Derived, Field, Rest, kind_of, parameters_of
 from runtime.config.tree import ConfigError, Location, YamlNode, parse
 
@@ -54,7 +54,7 @@ def refused(text: str, annotation: Any) -> str:
         ("1 cm", Annotated[float, "m"] | None, 0.01),
         ("1 cm", Annotated[float | None, "m"], 0.01),
         ("/dev/null", Path, Path("/dev/null")),
-        ("a/../b", Annotated[Path, Output()], Path.cwd() / "b"),
+        ("a/../b", Annotated[Path, File("runs", output=True)], Path.cwd() / "b"),
     ],
 )
 def test_a_value_is_read_as_it_is_declared_and_again_as_it_is_written(
@@ -86,14 +86,14 @@ def test_a_value_is_read_as_it_is_declared_and_again_as_it_is_written(
         ),
         ("3", tuple[int, ...], "'3' is not a list, such as [1]"),
         ("[1, 2]", tuple[int, int, int], "expected 3 values, got 2, such as [1, 1, 1]"),
-        ("0", Annotated[int, Range("5", above=0)], "0 must be positive, such as 5"),
-        ("9", Annotated[int, Range("5", most=8)], "9 must be at most 8, such as 5"),
+        ("0", Annotated[int, Whole("5", above=0)], "0 must be positive, such as 5"),
+        ("9", Annotated[int, Whole("5", most=8)], "9 must be at most 8, such as 5"),
         (
             "-1 mm",
-            Annotated[float, "m", Range("5 m", least=1)],
+            Annotated[float, Quantity("5 m", "m", least=1)],
             "-1 mm must be at least 1 m, such as 5 m",
         ),
-        ("B", Annotated[str, Pattern("[a-z]", "a letter", "b")], "'B' is not a letter, such as b"),
+        ("B", Annotated[str, Text("b", "a letter", "[a-z]")], "'B' is not a letter, such as b"),
         ("nowhere", Path, "there is no file /nowhere"),
         ("~nobody-of-that-name/x", Path, "there is no file /~nobody-of-that-name/x"),
         ("x" * 999, Path, "there is no file /xxx"),
@@ -131,7 +131,7 @@ class Colour:
 
 @dataclass(frozen=True, kw_only=True)
 class Wheel:
-    size: Annotated[float, "m", Range("10 cm", above=0)]
+    size: Annotated[float, Quantity("10 cm", "m", above=0)]
     spokes: int = 5
 
     def check(self, node: YamlNode, scope: Scope) -> None:

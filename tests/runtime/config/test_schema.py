@@ -6,7 +6,7 @@ import pytest
 import yaml
 
 from runtime.config.deployment import Deployment
-from runtime.config.kinds import Range
+from runtime.config.kinds import Quantity
 from runtime.config.reading import kind_of
 from runtime.config.schema import schema
 
@@ -38,7 +38,7 @@ def test_a_quantity_may_be_a_number_or_text_with_a_unit(text: str) -> None:
 
 @pytest.mark.parametrize("value", ["-1 m", -1, "ms", "1 2", True, [1], None])
 def test_a_quantity_out_of_bounds_or_without_number_is_refused(value: Any) -> None:
-    bounded = schema(Annotated[float, "m", Range("1 m", above=0)])
+    bounded = schema(Annotated[float, Quantity("1 m", "m", above=0)])
     assert not jsonschema.Draft202012Validator(bounded).is_valid(value)
 
 
