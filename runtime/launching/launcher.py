@@ -30,6 +30,7 @@ from runtime.wire.refusals import Refusals
 from runtime.wire.security import OPERATOR
 from runtime.wire.topics import PLANT
 from runtime.wire.zenoh_internals.connection_log import ConnectionLog
+from runtime.wire.zenoh_internals.features import Internal, uses
 
 if TYPE_CHECKING:
     from runtime.watching.screen import Screen  # imports rich, after the processes are started
@@ -106,7 +107,9 @@ class Launcher:
             cleanup.callback(self._kill_at_interrupt)
             self._processes.start(self._members)
             refusals = None
-            if of.security is not None:  # log the connections that are refused
+            if of.security is not None and uses(
+                Internal.LOG
+            ):  # log the connections that are refused
                 connections = ConnectionLog(Refusals(self._journal.refused), lambda *_: None)
                 refusals = cleanup.enter_context(connections)
             place, credentials = of.mesh.visitor(), of.credentials(OPERATOR)

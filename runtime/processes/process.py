@@ -30,7 +30,8 @@ from runtime.wire.mesh import FIRST_COPY, SLOTS, Endpoints
 from runtime.wire.messages import Diag, pack
 from runtime.wire.refusals import Refusals
 from runtime.wire.zenoh_internals.connection_log import ConnectionLog
-from runtime.wire.zenoh_internals.linger import disable_linger
+from runtime.wire.zenoh_internals.features import Internal, uses
+from runtime.wire.zenoh_internals.transport import disable_linger
 
 _CHECK = 0.25  # [s] between two looks of the watchdog
 _REPORT = 4  # looks from one diag to the next
@@ -59,7 +60,7 @@ class Process(Context):
         self._diags = count(1)
         self._strangers: ConnectionLog | None = None
         with ExitStack() as stack:
-            if deployment.credentials(self.role):
+            if deployment.credentials(self.role) and uses(Internal.LOG):
                 log = ConnectionLog(self.refusals, self._note_joined)
                 self._strangers = stack.enter_context(log)
             self._realtime = self._set_scheduling()  # the threads of the bus inherit it

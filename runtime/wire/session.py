@@ -13,7 +13,7 @@ import zenoh
 
 from runtime.wire.mesh import Endpoints
 from runtime.wire.security import Credentials, access_list, encryption
-from runtime.wire.zenoh_internals.threads import provide_threads
+from runtime.wire.zenoh_internals.transport import provide_threads
 
 
 class _Timeouts(NamedTuple):

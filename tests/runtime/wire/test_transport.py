@@ -10,7 +10,7 @@ import pytest
 
 from runtime.wire.bus import Bus
 from runtime.wire.mesh import on_loopback
-from runtime.wire.zenoh_internals.linger import disable_linger
+from runtime.wire.zenoh_internals.transport import disable_linger
 from tests.runtime.conftest import ProcessGroup, wait_for
 
 TEN_SECONDS = struct.pack("ii", 1, 10)
