@@ -16,6 +16,7 @@ from runtime.errors import RunError
 from runtime.tls.key_files import write_files
 from runtime.wire.security import Credentials
 
+_BOTH_ENDS = [ExtendedKeyUsageOID.SERVER_AUTH, ExtendedKeyUsageOID.CLIENT_AUTH]
 _SLACK = timedelta(days=1)  # tolerance for clocks that are late
 
 
@@ -37,12 +38,10 @@ class Authority:
     def __init__(self, robot: str, days: float) -> None:
         self._key = ec.generate_private_key(ec.SECP256R1())
         self._name = _name(f"authority of {robot}")
-        self._end = datetime.now(UTC) + timedelta(days=days)
-        usage = _usage(key_cert_sign=True, crl_sign=True)
-        own = self._builder(self._name, self._key, datetime.now(UTC) - _SLACK, self._end)
-        own = own.add_extension(x509.BasicConstraints(ca=True, path_length=0), critical=True)
-        own = own.add_extension(usage, critical=True)
-        self.certificate = _pem(own.sign(self._key, hashes.SHA256()))
+        now = datetime.now(UTC)
+        self._begin, self._end = now - _SLACK, now + timedelta(days=days)
+        signs, usage = x509.BasicConstraints(True, 0), _usage(key_cert_sign=True, crl_sign=True)
+        self.certificate = self._sign(self._name, self._key, self._begin, self._end, signs, usage)
 
     def issue(
         self,
@@ -56,31 +55,33 @@ class Authority:
         By default it is valid from a day ago, since clocks differ, until the authority's end.
         """
         key = ec.generate_private_key(ec.SECP256R1())
-        both = [ExtendedKeyUsageOID.SERVER_AUTH, ExtendedKeyUsageOID.CLIENT_AUTH]
-        issuer = x509.AuthorityKeyIdentifier.from_issuer_public_key(self._key.public_key())
-        begin = begin or datetime.now(UTC) - _SLACK
-        builder = self._builder(_name(name), key, begin, end or self._end)
-        for extension, critical in (
-            (x509.BasicConstraints(ca=False, path_length=None), True),
-            (_usage(digital_signature=True), True),
-            (x509.ExtendedKeyUsage(both), False),
-            (x509.SubjectAlternativeName([_address(one) for one in addresses]), False),
-            (issuer, False),
-        ):
-            builder = builder.add_extension(extension, critical=critical)
+        begin, end = begin or self._begin, end or self._end
+        extensions = (
+            x509.BasicConstraints(False, None),
+            _usage(digital_signature=True),
+            x509.ExtendedKeyUsage(_BOTH_ENDS),
+            x509.SubjectAlternativeName([_address(one) for one in addresses]),
+            x509.AuthorityKeyIdentifier.from_issuer_public_key(self._key.public_key()),
+        )
         kind, plain = serialization.PrivateFormat.PKCS8, serialization.NoEncryption()
         private = key.private_bytes(serialization.Encoding.PEM, kind, plain)
-        return KeyPair(_pem(builder.sign(self._key, hashes.SHA256())), private.decode())
+        return KeyPair(self._sign(_name(name), key, begin, end, *extensions), private.decode())
 
-    def _builder(
-        self, name: x509.Name, key: ec.EllipticCurvePrivateKey, begin: datetime, end: datetime
-    ) -> x509.CertificateBuilder:
-        """Return what all certificates have in common."""
-        public = key.public_key()
-        identifier = x509.SubjectKeyIdentifier.from_public_key(public)
-        builder = x509.CertificateBuilder(self._name, name, public, x509.random_serial_number())
-        builder = builder.not_valid_before(begin).not_valid_after(end)
-        return builder.add_extension(identifier, critical=False)
+    def _sign(
+        self,
+        name: x509.Name,
+        key: ec.EllipticCurvePrivateKey,
+        begin: datetime,
+        end: datetime,
+        *extensions: x509.ExtensionType,
+    ) -> str:
+        public, number = key.public_key(), x509.random_serial_number()
+        builder = x509.CertificateBuilder(self._name, name, public, number, begin, end)
+        for extension in (x509.SubjectKeyIdentifier.from_public_key(public), *extensions):
+            critical = isinstance(extension, x509.BasicConstraints | x509.KeyUsage)
+            builder = builder.add_extension(extension, critical)
+        certificate = builder.sign(self._key, hashes.SHA256())
+        return certificate.public_bytes(serialization.Encoding.PEM).decode()
 
 
 def _name(text: str) -> x509.Name:
@@ -97,10 +98,6 @@ def _address(text: str) -> x509.GeneralName:
         return x509.IPAddress(ipaddress.ip_address(text))
     except ValueError:
         return x509.DNSName(text)
-
-
-def _pem(certificate: x509.Certificate) -> str:
-    return certificate.public_bytes(serialization.Encoding.PEM).decode()
 
 
 def write_keys(

@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Iterable, Mapping
+from functools import partial
 from pathlib import Path
 
 import yaml
@@ -21,9 +22,7 @@ def write_files(folder: Path, files: Mapping[str, str]) -> None:
     for name, data in files.items():
         file, mode = folder / name, 0o600 if name.endswith(".key") else 0o644
         file.unlink(missing_ok=True)
-        with os.fdopen(
-            os.open(file, os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode), "w", encoding="ascii"
-        ) as stream:
+        with open(file, "x", encoding="ascii", opener=partial(os.open, mode=mode)) as stream:
             stream.write(data)
 
 

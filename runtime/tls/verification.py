@@ -5,7 +5,7 @@ import socket
 import ssl
 import time
 from contextlib import suppress
-from typing import Any, NamedTuple
+from typing import Any, cast
 
 from runtime.config.deployment import Deployment
 from runtime.config.tree import ConfigError
@@ -16,45 +16,50 @@ _NO_CHECK_TIME = 0x200000  # X509_V_FLAG_NO_CHECK_TIME of OpenSSL
 _INVALID_PURPOSE = 26  # X509_V_ERR_INVALID_PURPOSE of OpenSSL
 
 
-class Certificate(NamedTuple):
-    """Name and addresses of a certificate's owner, and its validity period [s since 1970]."""
-
-    name: str
-    addresses: tuple[str, ...]
-    begin: float
-    end: float
-
-
-def read(credentials: Credentials) -> Certificate:
-    """Read a certificate, and check its signature and private key, but not its validity period.
+def verify(credentials: Credentials, address: str, now: float) -> float:
+    """Return when a certificate ends, if it can be used at an address `now` [s since 1970].
 
     Raises:
-        ConfigError: It is not signed by the authority, or does not match its private key.
+        ConfigError: The certificate cannot be used; the message says why.
     """
-    server = _context(ssl.PROTOCOL_TLS_SERVER, credentials)
+    file, content = credentials.certificate, _handshake(credentials)
+    subject = dict(pair for part in content["subject"] for pair in part)
+    name = subject.get("commonName", "")
+    if name != credentials.name:
+        raise ConfigError(f"{file} belongs to {name or 'nobody'}, not to {credentials.name}")
+    end = ssl.cert_time_to_seconds(content["notAfter"])
+    if now > end:
+        raise ConfigError(f"{file} expired on {day(end)}")
+    begin = ssl.cert_time_to_seconds(content["notBefore"])
+    if now < begin:
+        when = f"{day(begin)}, and it is {day(now)} here"
+        raise ConfigError(f"{file} is not valid before {when}: is the clock right?")
+    addresses = [_plain(text) for _, text in content.get("subjectAltName", ())]
+    if _plain(address) not in addresses:
+        known = ", ".join(addresses) or "none"
+        raise ConfigError(f"{file} is for another address than {address}: {known}")
+    return end
+
+
+def _handshake(credentials: Credentials) -> dict[str, Any]:
+    """Return what is in a certificate, if its authority and key fit, whatever its dates are."""
     client = _context(ssl.PROTOCOL_TLS_CLIENT, credentials)
+    server = _context(ssl.PROTOCOL_TLS_SERVER, credentials)
     there, back = ssl.MemoryBIO(), ssl.MemoryBIO()
     ends = client.wrap_bio(back, there), server.wrap_bio(there, back, server_side=True)
-    certificate = credentials.certificate
+    file = credentials.certificate
     try:
         for end in (*ends, *ends):  # each side sends twice
             with suppress(ssl.SSLWantReadError):
                 end.do_handshake()
     except ssl.SSLCertVerificationError as error:
         if error.verify_code == _INVALID_PURPOSE:
-            raise ConfigError(f"{certificate} is not valid for both ends of a link") from None
-        what = f"{certificate} is not signed by {credentials.authority}"
+            raise ConfigError(f"{file} is not valid for both ends of a link") from None
+        what = f"{file} is not signed by {credentials.authority}"
         raise ConfigError(f"{what}: {error.verify_message}") from None
     except ssl.SSLError as error:
-        raise ConfigError(f"{certificate} cannot be used: {error.reason}") from None
-    content: Any = ends[0].getpeercert()
-    subject = dict(pair for part in content["subject"] for pair in part)
-    return Certificate(
-        name=subject.get("commonName", ""),
-        addresses=tuple(_plain(text) for _, text in content.get("subjectAltName", ())),
-        begin=ssl.cert_time_to_seconds(content["notBefore"]),
-        end=ssl.cert_time_to_seconds(content["notAfter"]),
-    )
+        raise ConfigError(f"{file} cannot be used: {error.reason}") from None
+    return cast(dict[str, Any], ends[0].getpeercert())
 
 
 def _context(protocol: int, credentials: Credentials) -> ssl.SSLContext:
@@ -79,26 +84,6 @@ def _plain(address: str) -> str:
         return str(ipaddress.ip_address(address))
     except ValueError:
         return address
-
-
-def verify(credentials: Credentials, address: str, now: float) -> Certificate:
-    """Return the certificate, if it can be used at an address and time `now` [s since 1970].
-
-    Raises:
-        ConfigError: The certificate cannot be used; the message says why.
-    """
-    found, file = read(credentials), credentials.certificate
-    if found.name != credentials.name:
-        raise ConfigError(f"{file} belongs to {found.name or 'nobody'}, not to {credentials.name}")
-    if now > found.end:
-        raise ConfigError(f"{file} expired on {day(found.end)}")
-    if now < found.begin:
-        when = f"{day(found.begin)}, and it is {day(now)} here"
-        raise ConfigError(f"{file} is not valid before {when}: is the clock right?")
-    if _plain(address) not in found.addresses:
-        known = ", ".join(found.addresses) or "none"
-        raise ConfigError(f"{file} is for another address than {address}: {known}")
-    return found
 
 
 def day(t: float) -> str:
@@ -133,8 +118,7 @@ def needed(deployment: Deployment, host: str | None = None) -> list[tuple[str, s
 def is_here(address: str) -> bool:
     """Return whether this machine has an address."""
     with suppress(OSError):
-        family, kind, protocol, _, where = socket.getaddrinfo(address, 0)[0]
-        with socket.socket(family, kind, protocol) as probe:
-            probe.bind(where)
+        family = socket.AF_INET6 if ":" in address else socket.AF_INET
+        socket.create_server((address, 0), family=family).close()
         return True
     return False
