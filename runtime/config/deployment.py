@@ -164,8 +164,8 @@ class Deployment:
     def mesh(self) -> Mesh:
         """The addresses and ports of its processes."""
         homes = tuple(self.hosts[self.host_of(role)].address for role in self.roles)
-        hosts = tuple(host.address for host in self.hosts.values())
-        return Mesh(self.port, homes, hosts, self.routers)
+        addresses = dict.fromkeys(host.address for host in self.hosts.values())
+        return Mesh(self.port, homes, tuple(addresses), self.routers)
 
     def credentials(self, name: str) -> Credentials | None:
         """Return the credentials of a role or of `OPERATOR`; None without `security`.

@@ -59,7 +59,7 @@ class CommandArbiter:
         for number, joint in enumerate(robot.joints, 1):
             key = topics.joint_command(number)
             commands = TopicInput(key, JointCommand, fresh, refusals, standbys=True)
-            self._motors[key] = _Motor(topics.joint_role(number), commands, (joint.max_speed,))
+            self._motors[key] = _Motor(f"joint/{number}", commands, (joint.max_speed,))
         if robot.drive is not None:
             key = topics.PLATFORM_COMMAND
             limits = (robot.drive.max_linear, robot.drive.max_angular)

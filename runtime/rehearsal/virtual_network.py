@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
-from typing import IO, Self
+from typing import IO
 
 import msgspec
 
@@ -24,7 +24,7 @@ _NAMESPACES = ("--uts", "--pid", "--fork", "--mount-proc", "--kill-child=SIGKILL
 _HOSTS, _OUR_ADDRESS = "10.87.0.{}", "10.87.255.254"
 
 
-class VirtualNetwork:
+class VirtualNetwork(ExitStack):
     """Creates the hosts of a deployment on this machine for the time of its `with` block.
 
     Everything ends with this process, however it ends: the namespaces have no names, and all that
@@ -39,10 +39,10 @@ class VirtualNetwork:
     """
 
     def __init__(self, deployment: Deployment) -> None:
+        super().__init__()
         _check(deployment)
         self.deployment = _addressed(deployment)
         self.hosts: dict[str, subprocess.Popen[bytes]] = {}
-        self._stack = ExitStack()
         self._impairing: list[ChaosEvent] = []
 
     def build(self, run: Path) -> None:
@@ -77,8 +77,8 @@ class VirtualNetwork:
             start_new_session=True,
             env=environment(),
         )
-        self._stack.enter_context(process)
-        self._stack.callback(process.kill)
+        self.enter_context(process)
+        self.callback(process.kill)
         return process
 
     def impair(self, event: ChaosEvent, *, over: bool) -> None:
@@ -89,12 +89,6 @@ class VirtualNetwork:
         self._switch.stdin.write(msgspec.json.encode(self._impairing) + b"\n")
         self._switch.stdin.flush()
         self._switch.stdout.readline()  # it has them
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._stack.close()
 
 
 def _check(deployment: Deployment) -> None:

@@ -1,6 +1,7 @@
 """Which message counts on a topic: decoded, checked, and arbitrated among its sources."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Generic
 
 from runtime.wire import topics
@@ -13,6 +14,7 @@ LEAP = 10_000
 _NEVER = 1 << 63
 
 
+@dataclass(slots=True)
 class Source(Generic[M]):
     """One incarnation that publishes on a topic; it changes with each message that arrives.
 
@@ -20,14 +22,13 @@ class Source(Generic[M]):
         message: The last one accepted.
         arrived: When, on the receiver's own clock [s].
         confirmed: Whether two of its messages in a row were accepted.
+        refused: The number of its last message, if that was refused.
     """
 
-    __slots__ = ("arrived", "confirmed", "message", "refused")
-
-    def __init__(self, message: M, arrived: float) -> None:
-        self.message, self.arrived = message, arrived
-        self.confirmed = False
-        self.refused = _NEVER  # the number of its last message, if that was refused
+    message: M
+    arrived: float
+    confirmed: bool = False
+    refused: int = _NEVER
 
 
 class Arbiter(Generic[M]):
@@ -70,14 +71,9 @@ class Arbiter(Generic[M]):
         if any(now - source.arrived <= self.fresh for source in self._sources.values()):
             self._on_another(message)
         if len(self._sources) >= SOURCES_KEPT:
-            least = min(
-                self._sources, key=lambda by: (self._sources[by].confirmed, self._arrived(by))
-            )
-            del self._sources[least]
+            sources = self._sources.items()
+            del self._sources[min(sources, key=lambda one: (one[1].confirmed, one[1].arrived))[0]]
         self._sources[message.by] = Source(message, now)
-
-    def _arrived(self, by: int) -> float:
-        return self._sources[by].arrived
 
     def selected(self, now: float) -> Source[M] | None:
         """Return the source that counts `now` [s]; None if there never was one.
@@ -92,7 +88,7 @@ class Arbiter(Generic[M]):
                 if source.confirmed:
                     return source
                 unconfirmed = unconfirmed or source
-        return unconfirmed or self._sources[max(self._sources, key=self._arrived)]
+        return unconfirmed or max(self._sources.values(), key=lambda source: source.arrived)
 
 
 class TopicInput(Generic[M]):

@@ -11,7 +11,7 @@ from queue import Empty, SimpleQueue
 from typing import NamedTuple, Self
 
 import zenoh
-from zenoh.handlers import Callback, Handler, RingChannel
+from zenoh.handlers import Handler, RingChannel
 
 from plant.errors import MsmaError
 from runtime.wire import topics
@@ -211,11 +211,8 @@ class Bus:
 
     def who_is_alive(self, timeout: float = 1.0) -> list[str]:
         """Return the keys of all tokens there are; waits [s] only for whom it has lost."""
-
-        def get(handler: "Callback[zenoh.Reply]") -> None:
-            self._session.liveliness().get(topics.EVERYBODY_ALIVE, handler, timeout=timeout)
-
-        return [str(reply.ok.key_expr) for reply in _replies(get, timeout) if reply.ok is not None]
+        replies = _replies(self._session.liveliness().get, topics.EVERYBODY_ALIVE, timeout)
+        return [str(reply.ok.key_expr) for reply in replies if reply.ok is not None]
 
     def answer(self, key: str, reply: Callable[[bytes], bytes]) -> None:
         """Answer each query on `key` by what `reply` returns, or by its error's message."""
@@ -232,19 +229,16 @@ class Bus:
 
     def ask(self, key: str, question: bytes = b"", timeout: float = 1.0) -> list[Answer]:
         """Query all that answer on a key expression; wait at most `timeout` [s]."""
-
-        def get(handler: "Callback[zenoh.Reply]") -> None:
-            self._session.get(
-                key,
-                handler,
-                payload=question,
-                timeout=timeout,
-                target=zenoh.QueryTarget.ALL,
-                consolidation=zenoh.ConsolidationMode.NONE,  # copies answer on the same key
-            )
-
+        replies = _replies(
+            self._session.get,
+            key,
+            timeout,
+            payload=question,
+            target=zenoh.QueryTarget.ALL,
+            consolidation=zenoh.ConsolidationMode.NONE,  # copies answer on the same key
+        )
         answers = []
-        for reply in _replies(get, timeout):
+        for reply in replies:
             if reply.ok is not None:
                 answers.append(Answer(str(reply.ok.key_expr), data_of(reply.ok.payload), True))
             elif reply.err is not None:
@@ -253,15 +247,16 @@ class Bus:
 
 
 def _replies(
-    get: "Callable[[Callback[zenoh.Reply]], None]", timeout: float
+    get: Callable[..., object], key: str, timeout: float, **options: object
 ) -> Iterator[zenoh.Reply]:
-    """Yield the replies to what `get` queries until all are in, or hardly longer than `timeout`.
+    """Yield the replies to a query until all are in, or hardly longer than `timeout` [s].
 
     Zenoh itself should time out. But it does so in the thread that does all of its work, so not
     while that one is blocked, such as by far too many peers.
     """
     replies: SimpleQueue[zenoh.Reply | None] = SimpleQueue()
-    get(direct_callback(replies.put, drop=lambda: replies.put(None)))
+    handler = direct_callback(replies.put, drop=lambda: replies.put(None))
+    get(key, handler, timeout=timeout, **options)
     deadline = time.monotonic() + timeout + _LATER
     with suppress(Empty):
         while (reply := replies.get(timeout=max(deadline - time.monotonic(), 0))) is not None:

@@ -60,23 +60,18 @@ class Mesh(NamedTuple):
     Attributes:
         base: The first of the robot's ports, the same on every host.
         homes: Address of each role's host, in the order of slots.
-        hosts: Addresses of all hosts, where copies may run.
+        addresses: Those of all hosts, where copies may run.
         routers: Addresses and ports of Zenoh routers that carry all traffic instead.
     """
 
     base: int
     homes: tuple[str, ...]
-    hosts: tuple[str, ...]
+    addresses: tuple[str, ...]
     routers: tuple[str, ...] = ()
-
-    @property
-    def addresses(self) -> tuple[str, ...]:
-        """The addresses of all hosts."""
-        return tuple(dict.fromkeys(self.hosts))
 
     def endpoints(self, slot: int) -> Endpoints:
         """Return the endpoints of a role's process."""
-        return self._place(self.homes[slot], slot, self._roles(slot))
+        return self._place(self.homes[slot], slot, slot)
 
     def copy_endpoints(self, slot: int, home: str) -> Endpoints:
         """Return the endpoints of a copy in one of the slots for copies of the host `home`.
@@ -85,7 +80,7 @@ class Mesh(NamedTuple):
         """
         before = self.addresses[: self.addresses.index(home)]
         rarely = (*self._copies(slot), *(Address(address, self.base + slot) for address in before))
-        return self._place(home, slot, self._roles(len(self.homes)), rarely)
+        return self._place(home, slot, rarely=rarely)
 
     def visitor(self) -> Endpoints:
         """Return the endpoints of a tool, which dials all roles and copies and is dialled by none.
@@ -93,18 +88,17 @@ class Mesh(NamedTuple):
         Dialling 128 slots of which 10 answer costs it 0.1 s at the start and 2 % of a core, so it
         is worth knowing how many roles there are.
         """
-        visitor = self._place(LOOPBACK, 0, self._roles(len(self.homes)), self._copies(SLOTS))
+        visitor = self._place(LOOPBACK, 0, rarely=self._copies(SLOTS))
         return visitor._replace(listen=Address(LOOPBACK, 0))
 
     def _place(
-        self, home: str, slot: int, dials: tuple[Address, ...], rarely: tuple[Address, ...] = ()
+        self, home: str, slot: int, below: int | None = None, rarely: tuple[Address, ...] = ()
     ) -> Endpoints:
+        """Return what listens in a slot and connects to all roles, or those below a slot."""
+        roles = enumerate(self.homes[:below])
+        dials = tuple(Address(other, self.base + number) for number, other in roles)
         elsewhere = sum(other != home for other in self.homes)
         return Endpoints(Address(home, self.base + slot), dials, rarely, elsewhere, self.routers)
-
-    def _roles(self, below: int) -> tuple[Address, ...]:
-        homes = self.homes[:below]
-        return tuple(Address(home, self.base + slot) for slot, home in enumerate(homes))
 
     def _copies(self, below: int) -> tuple[Address, ...]:
         slots = range(FIRST_COPY, below)

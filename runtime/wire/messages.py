@@ -6,6 +6,7 @@ A message that `unpack` returns is sound: the right types and lengths, finite, w
 
 import math
 from collections.abc import Iterable, Mapping
+from operator import methodcaller
 from typing import Annotated, Any, NamedTuple, TypeVar
 
 import msgpack
@@ -21,6 +22,7 @@ MOST_NUMBERS = 64
 """The longest array: numbers of one field, so joints of one robot."""
 _LONGEST_TEXT = 1024
 _MOST_ENTRIES = 80
+_of_numpy = methodcaller("tolist")  # a number or numbers as Python's own
 
 
 def number(unit: str) -> Meta:
@@ -197,15 +199,10 @@ def pack(message: Message) -> bytes:
 
 def stamped(message: Message, by: int, n: int) -> bytes:
     """Return the message as it travels, as the `n`th of incarnation `by` whatever it says."""
-    wire = to_builtins(message, enc_hook=_plain)
+    wire = to_builtins(message, enc_hook=_of_numpy)
     wire["by"], wire["n"] = by, n
     packed: bytes = msgpack.packb(wire)
     return packed
-
-
-def _plain(value: Any) -> Any:
-    """Return what NumPy made of a number or numbers as Python's own."""
-    return value.tolist()
 
 
 def unpack_map(data: bytes) -> dict[Any, Any]:

@@ -7,7 +7,6 @@ latency.
 """
 
 import json
-from typing import NamedTuple
 
 import zenoh
 
@@ -15,29 +14,12 @@ from runtime.wire.mesh import Endpoints
 from runtime.wire.security import Credentials, access_list, encryption
 from runtime.wire.zenoh_internals.transport import provide_threads
 
-
-class _Timeouts(NamedTuple):
-    """Timeouts of connections [ms].
-
-    A host that is cut off does not refuse connections, so `open` and `pause` determine how soon it
-    is found when it is back, and how long a session may take to close.
-
-    Attributes:
-        lease: Silence after which a connection is closed.
-        open: Time for an attempt to connect.
-        pause: Longest pause before the next attempt.
-    """
-
-    lease: int
-    open: int
-    pause: int
-
-
-_ONE_HOST = _Timeouts(lease=250, open=1000, pause=500)
-_SEVERAL_HOSTS = _Timeouts(lease=600, open=500, pause=100)
+_ONE_HOST = 250, 1000, 500
+"""Silence after which a connection is closed, time for an attempt to connect, and longest pause
+before the next [ms]. A host that is cut off does not refuse connections, so the last two determine
+how soon it is found when it is back, and how long a session may take to close."""
+_SEVERAL_HOSTS = 600, 500, 100
 """Between hosts a packet may be lost twice, which costs 0.4 s; reconnecting costs more."""
-
-
 _TLS_OPEN = 1000
 """Checking certificates takes long on a busy machine, and a timeout during that may be permanent:
 Zenoh can then consider a connection open that is not, until one of the two processes ends."""
@@ -57,20 +39,15 @@ def config(
     credentials, everyone has all rights.
     """
     provide_threads(place.elsewhere)
-    timeouts = _SEVERAL_HOSTS if place.elsewhere else _ONE_HOST
+    lease, opens, pause = _SEVERAL_HOSTS if place.elsewhere else _ONE_HOST
     protocol, encrypted, listed = "tcp", {}, {}
     if credentials is not None and robot is not None:
-        protocol, encrypted = "tls", encryption(credentials)
-        timeouts = timeouts._replace(open=_TLS_OPEN)
+        protocol, encrypted, opens = "tls", encryption(credentials), _TLS_OPEN
         listed = {"access_control": access_list(robot, credentials.roles, credentials.contract)}
     dials = [f"{protocol}/{there}" for there in place.routers or place.dials]
     if not place.routers:
         dials += [f"{protocol}/{copy}#retry_period_max_ms={_RARELY}" for copy in place.rarely]
-    retry = {
-        "period_init_ms": 100,
-        "period_max_ms": timeouts.pause,
-        "period_increase_factor": 1.5,
-    }
+    retry = {"period_init_ms": 100, "period_max_ms": pause, "period_increase_factor": 1.5}
     settings = {
         "mode": "client" if place.routers else "peer",
         "namespace": robot,
@@ -83,10 +60,10 @@ def config(
         },
         "transport": {
             "link": {
-                "tx": {"lease": timeouts.lease, "keep_alive": 4, "batch_size": _BATCH},
+                "tx": {"lease": lease, "keep_alive": 4, "batch_size": _BATCH},
                 **encrypted,
             },
-            "unicast": {"open_timeout": timeouts.open, "accept_timeout": 1000},  # [ms]
+            "unicast": {"open_timeout": opens, "accept_timeout": 1000},  # [ms]
             "shared_memory": {"enabled": False},  # it leaks when a process is killed
         },
         **listed,

@@ -153,11 +153,6 @@ def role_of_file(name: str) -> str:
     return re.sub(r"-([0-9]+)$", r"/\1", name)
 
 
-def joint_role(number: int) -> str:
-    """Return the role of the agent of joint `number`, counted from 1."""
-    return f"joint/{number}"
-
-
 def joint_command(number: int) -> str:
     """Return the key on which joint `number`, counted from 1, is commanded."""
     return f"arm/joint/{number}/cmd"

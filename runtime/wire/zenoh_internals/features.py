@@ -15,7 +15,6 @@ from zenoh.handlers import Callback
 from plant.errors import MsmaError
 
 VARIABLE = "MSMA_ZENOH_INTERNALS"
-_NONE = "none"
 _TESTED = "1.10."  # versions of Zenoh whose thread pools and log lines are known
 
 
@@ -45,13 +44,12 @@ def uses(internal: Internal) -> bool:
 
 def wanted(value: str | None) -> frozenset[str]:
     """Return the names in the environment variable, or raise `MsmaError`."""
-    valid = frozenset(Internal)
     if value is None:
-        return valid
-    names = frozenset(value.replace(" ", "").split(",")) - {_NONE, ""}
-    if unknown := ", ".join(sorted(names - valid)):
-        what = f"{VARIABLE}: there is no {unknown}"
-        raise MsmaError(f"{what}; valid are {', '.join(Internal)} and {_NONE}")
+        return frozenset(Internal)
+    names = frozenset(value.replace(" ", "").split(",")) - {"none", ""}
+    if unknown := ", ".join(sorted(names.difference(Internal))):
+        valid = f"{', '.join(Internal)} and none"
+        raise MsmaError(f"{VARIABLE}: there is no {unknown}; valid are {valid}")
     return names
 
 
