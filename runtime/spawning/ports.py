@@ -3,7 +3,7 @@
 import errno
 import random
 import socket
-from collections.abc import Iterator
+from collections.abc import Collection
 
 from runtime.wire import topics
 from runtime.wire.bus import Bus
@@ -35,24 +35,26 @@ def _error(host: str, port: int) -> int:
     return 0
 
 
-def is_free(base: int) -> bool:
-    """Tell whether none of a robot's ports is taken, `base` being the first."""
-    return not any(map(is_taken, range(base, base + SLOTS)))
+def block_of(robot: str, usual: int, *, new: bool = False, reserved: Collection[int] = ()) -> int:
+    """Return the first port of the block where a robot answers, from its usual one on.
 
-
-def blocks_from(usual: int) -> Iterator[int]:
-    """Yield the first port of every robot, from its usual one on, each once."""
+    Args:
+        robot: Its name.
+        usual: The first port of its usual block, which is returned if no other is found.
+        new: Whether the first block that is free will do too.
+        reserved: The first ports of those that other robots will take.
+    """
     first = ALL_BASES.index(usual)
-    yield from (*ALL_BASES[first:], *ALL_BASES[:first])
-
-
-def taken_blocks() -> list[int]:
-    """Return the first port of all robots of which one of the first few is taken."""
-    return [base for base in ALL_BASES if any(map(is_taken, range(base, base + _LOOKED_AT)))]
+    blocks: list[int] = [*ALL_BASES[first:], *ALL_BASES[:first]]
+    for base in blocks:
+        free = new and not any(is_taken(port) for port in range(base, base + SLOTS))
+        if base not in reserved and (free or robot in robots_at(base)):
+            return base
+    return usual
 
 
 def robots_at(*bases: int) -> set[str]:
-    """Return the names of the robots that answer on the ports from these on, on this machine.
+    """Return the names of the robots that answer in some blocks of ports of this machine.
 
     What listens there and is no robot, or checks certificates, does not answer.
     """

@@ -20,7 +20,7 @@ import msgspec
 from runtime.errors import RunError
 from runtime.processes.log_writer import new_run_folder
 from runtime.spawning.identity import ProcessId, processes_in
-from runtime.spawning.ports import blocks_from, is_free, robots_at
+from runtime.spawning.ports import block_of
 from runtime.spawning.trust import distrust, distrust_modules
 from runtime.wire.topics import role_of_file
 
@@ -178,8 +178,7 @@ def begin_run(deployment: "Deployment") -> "tuple[Deployment, Path]":
     A robot whose usual ports another one has takes the next that are free.
     """
     with _alone():
-        deployment = _with_ports(deployment, runs_of())
-        return deployment, _new_run(deployment)
+        return _enter(_with_ports(deployment), None)
 
 
 def join_run(deployment: "Deployment", folder: Path | None = None) -> "tuple[Deployment, Path]":
@@ -188,46 +187,33 @@ def join_run(deployment: "Deployment", folder: Path | None = None) -> "tuple[Dep
     It is the one in that folder, or else the robot's newest that goes on here, or a new one.
     """
     with _alone():
-        runs = runs_of()
-        deployment = _with_ports(deployment, runs)
-        if folder is None:
-            known = (deployment.robot, deployment.port)
-            same = [run.folder for run in runs if (run.robot, run.port) == known]
-            if not same:
-                return deployment, _new_run(deployment)
-            folder = same[0]
-        folder = folder.absolute()
-        folder.mkdir(parents=True, exist_ok=True)
-        if not (folder / "deployment.yaml").exists():
-            (folder / "deployment.yaml").write_text(deployment.dump(), encoding="utf-8")
-        register(RegisteredRun.of(deployment, folder))
-        return deployment, folder
+        deployment = _with_ports(deployment)
+        same = (run.folder for run in runs_of(deployment.robot) if run.port == deployment.port)
+        return _enter(deployment, folder or next(same, None))
 
 
-def _new_run(deployment: "Deployment") -> Path:
+def _enter(deployment: "Deployment", folder: Path | None) -> "tuple[Deployment, Path]":
     try:
-        folder = new_run_folder(deployment.runs, deployment.robot).absolute()
-        (folder / "deployment.yaml").write_text(deployment.dump(), encoding="utf-8")
+        folder = (folder or new_run_folder(deployment.runs, deployment.robot)).absolute()
+        folder.mkdir(parents=True, exist_ok=True)
+        if not (file := folder / "deployment.yaml").exists():
+            file.write_text(deployment.dump(), encoding="utf-8")
     except OSError as error:
         why = error.strerror or error
         raise RunError(f"the folder of the run cannot be written: {why}") from None
     register(RegisteredRun.of(deployment, folder))
-    return folder
+    return deployment, folder
 
 
-def _with_ports(deployment: "Deployment", runs: list[RegisteredRun]) -> "Deployment":
+def _with_ports(deployment: "Deployment") -> "Deployment":
     """Return a deployment with the ports that its robot has or takes on this machine.
 
     A port that its file sets stays, and so does one that other hosts have to know.
     """
-    robot = deployment.robot
     if not deployment.has_usual_ports:
         return deployment
-    for run in runs:
-        if run.robot == robot:
-            return replace(deployment, port=run.port)
-    taken = {run.port for run in runs}
-    for base in blocks_from(deployment.port):
-        if base not in taken and (is_free(base) or robot in robots_at(base)):
-            return replace(deployment, port=base)
-    return deployment
+    robot, runs = deployment.robot, runs_of()
+    known = [run.port for run in runs if run.robot == robot]
+    reserved = {run.port for run in runs}
+    port = known[0] if known else block_of(robot, deployment.port, new=True, reserved=reserved)
+    return replace(deployment, port=port)

@@ -10,17 +10,19 @@ import random
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from runtime.errors import RunError
-from runtime.spawning.ports import blocks_from, listens, robots_at, taken_blocks
+from runtime.spawning.ports import block_of, listens, robots_at
 from runtime.spawning.registry import runs_of, why_not
 from runtime.wire import topics
 from runtime.wire.bus import Bus
-from runtime.wire.mesh import LOOPBACK, Mesh, on_loopback, port_base
+from runtime.wire.mesh import ALL_BASES, LOOPBACK, Mesh, on_loopback, port_base
 from runtime.wire.security import OPERATOR, Credentials
+
+if TYPE_CHECKING:
+    from runtime.config.deployment import Deployment  # most of what a tool imports, if it does
 
 _ANSWER = 1.0  # [s]
 _NONE_CONNECTS = 3.0  # [s] until none of those that listen is expected to accept a tool any more
@@ -61,16 +63,47 @@ class Target(NamedTuple):
 
 def target_of(args: argparse.Namespace) -> Target:
     """Return the robot that the command line means; `RunError` if there is not one to choose."""
-    if args.file is not None:
-        return _by_file(Path(args.file), args.robot)
-    if args.robot is not None:
-        return _by_name(args.robot)
+    deployment = None
+    if args.file is not None:  # the user trusts it
+        deployment = _load(Path(args.file), args.robot)
+    robot: str = deployment.robot if deployment else args.robot or _only_robot()
+    known = runs_of(robot)
+    runs = {run.folder: run.port for run in known}
+    if deployment is None and known and not known[0].plain:
+        deployment = _load(known[0].deployment)
+    elif deployment and (folder := _run_of(Path(args.file))):
+        runs = {folder: deployment.port}
+    if deployment is None or (deployment.has_usual_ports and deployment.port not in runs.values()):
+        port = known[0].port if known else block_of(robot, port_base(robot))
+        mesh = deployment.mesh._replace(base=port) if deployment else on_loopback(port)
+    else:
+        mesh = deployment.mesh
+    folders = tuple(run for run, port in runs.items() if port == mesh.base)
+    credentials = deployment.credentials(OPERATOR) if deployment else None
+    return Target(robot, mesh, credentials, folders)
+
+
+def _only_robot() -> str:
     names = robots_here()
-    if len(names) == 1:
-        return _by_name(names[0])
-    if names:
+    if len(names) > 1:
         raise RunError(f"several robots run here: {', '.join(names)}; say which: --robot NAME")
-    raise RunError(f"no robot runs here; {_BY_FILE}")
+    if not names:
+        raise RunError(f"no robot runs here; {_BY_FILE}")
+    return names[0]
+
+
+def _run_of(file: Path) -> Path | None:
+    """Return the folder of a run whose deployment a file is; None if it is not in a run."""
+    run = file.name == "deployment.yaml" and any(file.parent.glob("*.jsonl"))
+    return file.parent.absolute() if run else None
+
+
+def _load(file: Path, robot: str | None = None) -> "Deployment":
+    from runtime.config.deployment import load
+    from runtime.config.overrides import Override
+
+    name = [Override("--robot", "robot", json.dumps(robot))] if robot else []
+    return load(file, name, topics.PLANT)
 
 
 def robots_here() -> list[str]:
@@ -79,50 +112,7 @@ def robots_here() -> list[str]:
     Those that another user has started with a port, hosts or certificates of their own are not
     found.
     """
-    return sorted({run.robot for run in runs_of()} | robots_at(*taken_blocks()))
-
-
-def _by_file(file: Path, robot: str | None) -> Target:
-    """Return the robot of a file that the user names, and so trusts."""
-    from runtime.config.deployment import load  # most of what a tool imports, if it does
-    from runtime.config.overrides import Override
-
-    name = [Override("--robot", "robot", json.dumps(robot))] if robot else []
-    deployment = load(file, name, topics.PLANT)
-    runs = {run.folder: run.port for run in runs_of(deployment.robot)}
-    if file.name == "deployment.yaml" and any(file.parent.glob("*.jsonl")):
-        runs = {file.parent.absolute(): deployment.port}
-    elif deployment.has_usual_ports:
-        found = {run: port for run, port in runs.items() if port == deployment.port} or runs
-        port = next(iter(found.values())) if found else _port_of(deployment.robot)
-        deployment = replace(deployment, port=port)
-    folders = tuple(run for run, port in runs.items() if port == deployment.port)
-    credentials = deployment.credentials(OPERATOR)
-    return Target(deployment.robot, deployment.mesh, credentials, folders)
-
-
-def _by_name(robot: str) -> Target:
-    runs = runs_of(robot)
-    if not runs:
-        return Target(robot, on_loopback(_port_of(robot)))
-    port = runs[0].port
-    folders = tuple(run.folder for run in runs if run.port == port)
-    if runs[0].plain:
-        return Target(robot, on_loopback(port), None, folders)
-    from runtime.config.deployment import load
-
-    deployment = load(runs[0].deployment, only_role=topics.PLANT)
-    return Target(robot, deployment.mesh, deployment.credentials(OPERATOR), folders)
-
-
-def _port_of(robot: str) -> int:
-    """Return the first port of a robot on this machine: its usual one, or where it answers."""
-    usual = port_base(robot)
-    taken = set(taken_blocks())
-    for base in blocks_from(usual):
-        if base in taken and (taken == {usual} or robot in robots_at(base)):
-            return base
-    return usual
+    return sorted({run.robot for run in runs_of()} | robots_at(*ALL_BASES))
 
 
 def _anything_connects(bus: Bus, target: Target) -> bool:
@@ -132,20 +122,17 @@ def _anything_connects(bus: Bus, target: Target) -> bool:
     check certificates. A process that hangs does not connect.
     """
     began = time.monotonic()
-    while not (there := bool(bus.who_is_alive(_ANSWER))) or bus.links < _listening(target):
-        if time.monotonic() > began + (_FEW_CONNECT if there else _NONE_CONNECTS):
-            break
-        if target.mesh.addresses == (LOOPBACK,) and not _listening(target):
+    while True:
+        there = bool(bus.who_is_alive(_ANSWER))
+        listening = sum(listens(*one) for one in target.mesh.visitor().dials)  # on this machine
+        none_here = not listening and target.mesh.addresses == (LOOPBACK,)
+        timeout = _FEW_CONNECT if there else _NONE_CONNECTS
+        if (there and bus.links >= listening) or none_here or time.monotonic() > began + timeout:
             break
         time.sleep(0.02)
     if target.credentials is not None:
         time.sleep(_CHECKING)
     return there
-
-
-def _listening(target: Target) -> int:
-    """Return how many of the endpoints that a tool dials are in use, on this machine."""
-    return sum(listens(*there) for there in target.mesh.visitor().dials)
 
 
 @contextmanager
