@@ -19,8 +19,7 @@ from runtime.launching.journal import Journal
 from runtime.launching.presence import Presence
 from runtime.processes.lifetime import Lifetime, Shutdown
 from runtime.results.outcome import RunOutcome
-from runtime.spawning.escalation import end_all
-from runtime.spawning.local import LocalProcesses, ProcessGroup
+from runtime.spawning.local import LocalProcesses, ProcessGroup, end_all
 from runtime.spawning.registry import RegisteredRun, begin_run, forget, register
 from runtime.tls.verification import verify_all
 from runtime.watching.control import Control

@@ -1,23 +1,26 @@
 """The processes of a run on this machine, and what a group of processes is."""
 
 import signal
-from collections.abc import Iterable
+import time
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from pathlib import Path
+from signal import SIGKILL, SIGTERM
 from typing import NamedTuple, Protocol
 
+from plant.errors import MsmaError
 from runtime.config.deployment import ProcessSpec
 from runtime.spawning.forkserver import ForkServer
 from runtime.spawning.identity import obeyed_in, processes_in
 from runtime.spawning.tasks import LOST, ChildProcess, Task, remove_empty
+
+_TURN = 0.02  # [s] between two looks at the processes
 
 
 class ProcessExit(NamedTuple):
     """A process that has ended.
 
     Attributes:
-        role: Its role.
-        pid: Its id.
         code: Its exit code, negative for a signal.
         said: The last line that it wrote.
     """
@@ -48,7 +51,7 @@ class ProcessGroup(Protocol):
     def revive(self, role: str, home: str) -> int:
         """Start one more process for a role whose host is `home`, and return its id.
 
-        It is a copy if others have the role, or one that hangs; `RunError` if it cannot be.
+        It is a copy if others have the role, or one that hangs; `RunError` if it cannot be started.
         """
 
     def obeyed(self, role: str) -> list[int]:
@@ -70,7 +73,47 @@ class ProcessGroup(Protocol):
         """Gather what they wrote, once all have ended."""
 
 
-class LocalProcesses:
+def end_all(
+    processes: ProcessGroup,
+    *,
+    after: float = 0.0,
+    pause: float = 0.6,
+    ask: Callable[[], object] | None = None,
+    ended: Callable[[ProcessExit], None] = lambda one: None,
+) -> None:
+    """End a group of processes: ask them to stop, send SIGTERM, and then SIGKILL.
+
+    A step that fails does not keep the next one from being tried. Its error is raised once no
+    process is left, unless it is one that systems and networks cause (`MsmaError`, `OSError`).
+
+    Args:
+        processes: What is to end.
+        after: How long they have to end by themselves [s].
+        pause: How long to wait after each step [s].
+        ask: Asks all processes to stop; by default they get signals only.
+        ended: Is called with each process that has ended.
+    """
+    steps: list[Callable[[], object]] = [] if ask is None else [ask]
+    steps += [lambda: processes.signal(SIGTERM), lambda: processes.signal(SIGKILL)]
+    due = time.monotonic() + after
+    failed: Exception | None = None
+    while processes:
+        if steps and time.monotonic() >= due:
+            due += pause
+            try:
+                steps.pop(0)()
+            except (MsmaError, OSError):
+                pass  # the next step will do
+            except Exception as error:
+                failed = failed or error
+        for one in processes.ended():
+            ended(one)
+        time.sleep(_TURN)
+    if failed is not None:
+        raise failed
+
+
+class LocalProcesses(ProcessGroup):
     """The processes of a run on this machine: those started here, and those that its logs name.
 
     Make it before a bus is joined: see `ForkServer`.
@@ -86,12 +129,10 @@ class LocalProcesses:
         self._outs: set[Path] = set()
 
     def start(self, processes: Iterable[ProcessSpec]) -> None:
-        """Start some processes, all at once."""
         for role, host, copy in processes:
             self._start(Task(role, self.run, host if copy else None))
 
     def revive(self, role: str, home: str, *, copy: bool = False) -> int:
-        """Start one more process for a role, and return its id; see `ProcessGroup`."""
         copy = copy or bool(processes_in(self.run, role))
         return self._start(Task(role, self.run, home if copy else None)).pid
 
@@ -107,31 +148,23 @@ class LocalProcesses:
         return [(task.role, child.pid) for task, child in self._living]
 
     def obeyed(self, role: str) -> list[int]:
-        """Return the id of a role's process, of copies that of the one obeyed; none if none is."""
         obeyed = obeyed_in(self.run, role)
         started = [pid for one, pid in self.pids if one == role]
         return started[-1:] if obeyed is None else [obeyed.pid]
 
     def send(self, role: str, pid: int, number: signal.Signals) -> None:
-        """Send a signal to one of a role's processes, if it is still there.
-
-        It is one by the log of its role, or has just been started here and has no log yet.
-        """
-        for process in processes_in(self.run, role):
-            if process.pid == pid:
-                process.send(number)
-                return
-        for task, child in self._living:
-            if (task.role, child.pid) == (role, pid):
+        by_log = [process for process in processes_in(self.run, role) if process.pid == pid]
+        for process in by_log:
+            process.send(number)
+        for task, child in self._living:  # which may have no log yet
+            if not by_log and (task.role, child.pid) == (role, pid):
                 child.send_signal(number)
 
     def signal(self, number: signal.Signals) -> None:
-        """Send a signal to all that live."""
         for _, child in self._living:
             child.send_signal(number)
 
     def ended(self) -> list[ProcessExit]:
-        """Return those that were found to have ended since this was last asked."""
         polled = [(task, child, child.poll()) for task, child in self._living]
         self._living = [(task, child) for task, child, code in polled if code is None]
         return [

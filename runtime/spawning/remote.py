@@ -1,28 +1,32 @@
-"""The processes of a run on several hosts, each served by `host_server.py`."""
+"""The processes of a run on several hosts, each served by `host_server.py`, as by ssh."""
 
-import base64
 import itertools
 import json
 import math
 import queue
+import shutil
 import signal
 import subprocess
+import tarfile
 import threading
 import time
-from collections.abc import Callable, Iterable, Mapping
-from contextlib import suppress
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
-from typing import Any
+from tarfile import TarError
+from typing import IO, Any
 
 from runtime.config.deployment import Deployment, ProcessSpec, load
+from runtime.config.tree import ConfigError
 from runtime.errors import RunError
-from runtime.spawning.local import ProcessExit
+from runtime.spawning.local import ProcessExit, ProcessGroup
 from runtime.spawning.tasks import LOST, last_line, remove_empty
 from runtime.tls.key_files import read_files, with_local_files
 from runtime.wire.topics import PLANT
 
 _FIRST_ANSWER = 20.0  # [s] for a host to answer at first
 _ANSWER = 2.0  # [s] for one to answer later on
+_OPTIONS = ("-T", "-o", "BatchMode=yes", "-o", "ConnectTimeout=5")
 _LEAVE = 2.0  # [s] for the other end to go when it is asked no more
 
 
@@ -60,13 +64,14 @@ class HostProcesses:
 class _Host(HostProcesses):
     """A host's processes, and requests to it; a thread of its own receives its answers."""
 
-    def __init__(self, name: str, process: "subprocess.Popen[bytes]", out: Path) -> None:
+    def __init__(self, name: str, process: "subprocess.Popen[bytes]", run: Path) -> None:
         super().__init__(name)
-        self.process, self._out = process, out
+        self.process, self._run = process, run
         self._said: queue.SimpleQueue[dict[str, Any]] = queue.SimpleQueue()
         self._ended: list[ProcessExit] = []  # that `ended` has not returned yet
         self._requests = itertools.count(1)
-        threading.Thread(target=self._listen, daemon=True).start()
+        self._listener = threading.Thread(target=self._listen, daemon=True)
+        self._listener.start()
 
     def _listen(self) -> None:
         assert self.process.stdout is not None
@@ -75,7 +80,18 @@ class _Host(HostProcesses):
                 said = json.loads(line)
                 if isinstance(said, dict) and "said" in said:
                     self._said.put(said)
+                    if said["said"] == "brings":
+                        self._unpack(self.process.stdout)
         self._said.put({"said": "gone"})
+
+    def _unpack(self, stream: IO[bytes]) -> None:
+        """Add the files of the archive that follows to those of the run, as far as it goes."""
+        with suppress(OSError, TarError), tarfile.open(fileobj=stream, mode="r|") as archive:
+            for member in archive:
+                file, content = self._run / Path(member.name).name, archive.extractfile(member)
+                if content is not None and file.name != "deployment.yaml":
+                    with file.open("ab") as whole:  # two hosts may have had the role
+                        shutil.copyfileobj(content, whole)
 
     def request(self, do: str, **more: object) -> int:
         """Send a request, and return the number that its answer will have.
@@ -90,55 +106,52 @@ class _Host(HostProcesses):
             self.process.stdin.flush()
         return number
 
-    def answer(
-        self,
-        number: int,
-        take: Callable[[dict[str, Any]], None] = lambda said: None,
-        timeout: float = _FIRST_ANSWER,
-    ) -> dict[str, Any]:
-        """Wait for the answer to a request; `take` gets the other messages meanwhile.
+    def answer(self, number: int, timeout: float = _FIRST_ANSWER) -> dict[str, Any]:
+        """Wait for the answer to a request.
 
         Raises:
             RunError: The host refuses, is gone or does not answer in time. A later answer is
                 taken all the same: what was started late is known, and ended with the others.
         """
         until = time.monotonic() + timeout
-        while True:
+        said: dict[str, Any] = {}
+        while said.get("number") != number:
             try:
                 said = self._said.get(timeout=max(until - time.monotonic(), 0.0))
             except queue.Empty:
                 raise RunError(f"host {self.name} does not answer") from None
             self._take(said)
             if said["said"] == "gone":
-                raise RunError(f"host {self.name}: {self.complaint()}")
-            if said.get("number") != number:
-                take(said)
-            elif said["said"] == "refused":
-                raise RunError(f"host {self.name}: {said['why']}")
-            else:
-                return said
+                raise RunError(f"host {self.name}: {self._complaint()}")
+        if said["said"] == "refused":
+            raise RunError(f"host {self.name}: {said['why']}")
+        return said
+
+    def bring(self) -> None:
+        """Have it send what was written there and end; if it does not in time, that stays there."""
+        self.request("bring")
+        self._listener.join(_FIRST_ANSWER)
 
     def ended(self) -> list[ProcessExit]:
         """Return the processes that were found to have ended since this was last asked."""
-        with suppress(queue.Empty):
-            while True:
-                self._take(self._said.get_nowait())
+        while not self._said.empty():
+            self._take(self._said.get())
         ended, self._ended = self._ended, []
         return ended
 
     def _take(self, said: dict[str, Any]) -> None:
         self._ended += self.take(said)
         if said["said"] == "gone":
-            self._ended += self.lose(self.complaint())
+            self._ended += self.lose(self._complaint())
 
-    def complaint(self) -> str:
+    def _complaint(self) -> str:
         """Return the last line of its error output, as the reason why it is gone."""
         # `unshare` prints only a line with "sigprocmask" if the process in it is killed
-        return last_line(self._out, without="sigprocmask") or "it is gone"
+        return last_line(out_of(self._run, self.name), without="sigprocmask") or "it is gone"
 
 
-class RemoteProcesses:
-    """All processes of a run, wherever they are; stands for `LocalProcesses`.
+class RemoteProcesses(ProcessGroup):
+    """All processes of a run, wherever they are.
 
     Args:
         run: The run's folder.
@@ -147,36 +160,20 @@ class RemoteProcesses:
     """
 
     def __init__(
-        self,
-        run: Path,
-        hosts: "Mapping[str, subprocess.Popen[bytes]]",
-        *,
-        away: bool,
+        self, run: Path, hosts: "Mapping[str, subprocess.Popen[bytes]]", *, away: bool
     ) -> None:
         self._run, self._away = run, away
         self._given_up = math.inf  # when those who do not answer count as lost
-        self._hosts = {
-            name: _Host(name, process, out_of(run, name)) for name, process in hosts.items()
-        }
+        self._hosts = {name: _Host(name, process, run) for name, process in hosts.items()}
 
     def start(self, processes: Iterable[ProcessSpec]) -> None:
-        """Start some processes, on all hosts at once; `RunError` if one cannot."""
-        begin: dict[str, object] = {"do": "begin", "run": str(self._run)}
-        self._request_all(
-            {name: begin | (self._own_folder(name) if self._away else {}) for name in self._hosts}
-        )
-        shares: dict[str, list[ProcessSpec]] = {}
-        for one in processes:
-            shares.setdefault(one.host, []).append(one)
-        self._request_all(
-            {name: {"do": "start", "processes": share} for name, share in shares.items()}
-        )
-
-    def _request_all(self, requests: Mapping[str, Mapping[str, Any]]) -> None:
-        """Send each host its request, and then wait for all answers."""
-        numbers = {name: self._hosts[name].request(**more) for name, more in requests.items()}
-        for name, number in numbers.items():
-            self._hosts[name].answer(number)
+        every, numbers = list(processes), {}
+        for name, host in self._hosts.items():
+            folder = self._own_folder(name) if self._away else {"run": str(self._run)}
+            share = [one for one in every if one.host == name]
+            numbers[host] = host.request("start", processes=share, **folder)
+        for host, number in numbers.items():
+            host.answer(number)
 
     def _own_folder(self, host: str) -> dict[str, object]:
         """Return what a host with a folder of its own needs: its name, the deployment, and keys."""
@@ -198,11 +195,8 @@ class RemoteProcesses:
         """
         names = list(self._hosts)
         first = names.index(home)
-        living = [
-            name
-            for name in (*names[first:], *names[:first])
-            if self._hosts[name].process.poll() is None
-        ]
+        order = (*names[first:], *names[:first])
+        living = [name for name in order if self._hosts[name].process.poll() is None]
         if not living:
             raise RunError("no host is left")
         host = self._hosts[living[0]]
@@ -218,26 +212,22 @@ class RemoteProcesses:
         return pids[-1:]
 
     def send(self, role: str, pid: int, number: signal.Signals) -> None:
-        """Send a signal to one of a role's processes."""
         having = [host for host in self._hosts.values() if (role, pid) in host.pids]
         for host in having[-1:]:
             host.request("signal", signal=int(number), role=role, pid=pid)
 
     def signal(self, number: signal.Signals) -> None:
-        """Send a signal to all that live."""
         for host in self._hosts.values():
-            host.request("signal", signal=int(number), role=None, pid=None)
+            host.request("signal", signal=int(number))
         if number == signal.SIGKILL:
             self._given_up = time.monotonic() + _ANSWER
 
     def ended(self) -> list[ProcessExit]:
-        """Return those that were found to have ended since this was last asked."""
         ended = []
         for host in self._hosts.values():
             ended += host.ended()
             if time.monotonic() > self._given_up:
-                why = "it does not answer, so what runs there ends by itself"
-                ended += host.lose(why)
+                ended += host.lose("it does not answer, so what runs there ends by itself")
         return ended
 
     def __len__(self) -> int:
@@ -247,9 +237,7 @@ class RemoteProcesses:
         """Bring back what the hosts have written, leave nothing there, and let them go."""
         for host in self._hosts.values():
             if self._away and host.process.poll() is None:
-                number = host.request("bring")
-                with suppress(RunError):  # what it wrote stays there
-                    host.answer(number, self._keep)
+                host.bring()
         for host in self._hosts.values():
             assert host.process.stdin is not None
             with suppress(OSError):
@@ -263,13 +251,32 @@ class RemoteProcesses:
                 host.process.wait()
         remove_empty(self._run.glob("*.out"))
 
-    def _keep(self, said: dict[str, Any]) -> None:
-        name = Path(said.get("name", "")).name
-        if said["said"] == "file" and name not in ("", "deployment.yaml"):
-            with (self._run / name).open("ab") as stream:
-                stream.write(base64.b64decode(said["data"]))
-
 
 def out_of(run: Path, host: str) -> Path:
     """Return the file for what comes from a host beside answers, such as ssh's complaints."""
     return run / f"host-{host}.out"
+
+
+@contextmanager
+def connect(deployment: Deployment, run: Path) -> "Iterator[dict[str, subprocess.Popen[bytes]]]":
+    """Call `msma share` on each host by the system's `ssh`, as keys, names and ports are set up.
+
+    It asks for no password: there would be several questions at once on one terminal.
+    """
+    if shutil.which("ssh") is None:
+        raise ConfigError("--ssh needs `ssh`, which is in the package openssh-client")
+    processes = {}
+    with ExitStack() as stack:
+        for name in dict.fromkeys(one.host for one in deployment.processes):
+            host = deployment.hosts[name]
+            with out_of(run, name).open("ab") as out:
+                process = subprocess.Popen(
+                    ["ssh", *_OPTIONS, "--", host.ssh, f"{host.command} share {name}"],
+                    stdin=subprocess.PIPE,
+                    stdout=subprocess.PIPE,
+                    stderr=out,
+                    start_new_session=True,  # Ctrl-C is for the launcher
+                )
+            processes[name] = stack.enter_context(process)
+            stack.callback(process.terminate)
+        yield processes

@@ -50,7 +50,7 @@ def run(args: argparse.Namespace) -> int:
         if network is not None:
             network.build(folder)
         if args.ssh:
-            from runtime.spawning.ssh import connect
+            from runtime.spawning.remote import connect
 
             hosts = stack.enter_context(connect(deployment, folder))
         if hosts is not None:

@@ -9,8 +9,7 @@ from signal import Signals
 import pytest
 
 from runtime.config.deployment import ProcessSpec
-from runtime.spawning.escalation import end_all
-from runtime.spawning.local import LocalProcesses, ProcessExit
+from runtime.spawning.local import LocalProcesses, ProcessExit, end_all
 from tests.runtime.conftest import wait_for
 
 
@@ -61,7 +60,7 @@ class MadeUpTime:
 @pytest.fixture
 def clock(monkeypatch: pytest.MonkeyPatch) -> MadeUpTime:
     clock = MadeUpTime()
-    monkeypatch.setattr("runtime.spawning.escalation.time", clock)
+    monkeypatch.setattr("runtime.spawning.local.time", clock)
     return clock
 
 
