@@ -20,8 +20,8 @@ class Encoders(NamedTuple):
     """What the encoders measure; NaN for a joint whose encoder is lost.
 
     Attributes:
-        q: (..., n) [rad].
-        qd: (..., n) [rad/s].
+        q: (..., n) [rad or m].
+        qd: (..., n) [rad/s or m/s].
     """
 
     q: Array
@@ -139,17 +139,17 @@ class Effects:
     def _motor(
         self, fault: Fault, joints: Array, state: State, arm: Callable[[], ArmPose]
     ) -> Array | float:
-        """Return (...) the speed that the motor of that joint goes for [rad/s]."""
+        """Return (...) the speed that the motor of that joint goes for [rad/s or m/s]."""
         joint, i = self._robot.joints[fault.index], fault.index
         match fault.kind, fault.value:
-            case "locked", float(angle):
-                way = angle - state.q[..., i]
+            case "locked", float(position):
+                way = position - state.q[..., i]
                 if np.isinf(joint.upper):  # it turns for ever: the shorter way round
                     way = np.remainder(way + np.pi, 2.0 * np.pi) - np.pi
                 size = stopping_speed(np.abs(way), joint.max_acceleration, self._period)
                 return np.copysign(size, way)
             case "limp", _:
-                return joint.max_speed * _pull(arm(), i)
+                return joint.max_speed * _pull(arm(), i, joint.slides)
             case "weak", float(share):
                 return share * np.clip(joints[..., i], -joint.max_speed, joint.max_speed)
             case "runaway", _:
@@ -159,8 +159,8 @@ class Effects:
     def _drive(self, fault: Fault, base: Row) -> Array:
         drive = self._robot.drive
         if drive is None or fault.value is None:
-            return np.zeros(2)
-        most = np.array([drive.max_linear, drive.max_angular])
+            return np.zeros(np.shape(base)[-1])
+        most = np.array(drive.max_velocity)
         slowed: Array = fault.value * np.clip(base, -most, most)
         return slowed
 
@@ -169,12 +169,16 @@ class Effects:
         return self._rng.uniform(-most, most, like.shape[:-1])
 
 
-def _pull(arm: ArmPose, index: int) -> Array:
-    """Return (...) the pull of gravity about that joint's axis, from -1 to 1.
+def _pull(arm: ArmPose, index: int, slides: bool) -> Array:
+    """Return (...) the pull of gravity about that joint's axis, or along it, from -1 to 1.
 
-    It is that on a pendulum that hangs from the axis, with all mass beyond the joint at the mean of
-    the further joints and the tip. Friction makes the speed of a limp joint proportional to it.
+    About an axis it is that on a pendulum that hangs from the axis, with all mass beyond the joint
+    at the mean of the further joints and the tip. Friction makes the speed of a limp joint
+    proportional to it.
     """
+    if slides:
+        down: Array = -arm.axes[..., index, 2]
+        return down
     beyond = np.concatenate([arm.points[..., index + 1 :, :], arm.tip[..., None, :]], axis=-2)
     lever = beyond.mean(axis=-2) - arm.points[..., index, :]
     length = np.maximum(np.linalg.norm(lever, axis=-1), 1e-9)

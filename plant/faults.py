@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from plant.errors import MsmaError
 from plant.robot import Robot
-from plant.units import Unit, UnitError, parse_quantity
+from plant.units import Unit, UnitError, parse_quantity, written
 
 
 class FaultError(MsmaError, ValueError):
@@ -47,12 +47,17 @@ _KINDS: dict[str, dict[str, _Value | None]] = {
     },
     "platform": {"locked": None, "weak": _Value("1", 0.5, *_SHARE), "ok": None},
 }
-_WRITTEN: dict[Unit, tuple[str, float]] = {  # the unit people write, and how much of it one SI is
-    "rad": ("deg", 180.0 / math.pi),
-    "m": ("mm", 1e3),
-    "s": ("ms", 1e3),
-    "1": ("", 1.0),
+_OF_SLIDING: dict[str, _Value] = {  # instead of an angle, for a prismatic joint
+    "locked": _Value("m", None, -10.0, 10.0),
+    "biased": _Value("m", 0.005, -10.0, 10.0),
+    "noisy": _Value("m", 0.0005, 0.0, 10.0),
 }
+
+
+def _value(part: str, kind: str, slides: bool) -> _Value | None:
+    """Return the value that a kind of fault takes; `slides` for a prismatic joint."""
+    takes = _KINDS[part][kind]
+    return _OF_SLIDING[kind] if takes and takes.unit == "rad" and slides else takes
 
 
 @dataclass(frozen=True)
@@ -62,14 +67,14 @@ class Fault:
     | text | meaning |
     | --- | --- |
     | `joint/N:locked` | brakes and stays where it is |
-    | `joint/N:locked=60deg` | runs there within its limits, then stays |
-    | `joint/N:limp` | no motor: gravity pulls it, friction damps it; a vertical axis just stops |
-    | `joint/N:weak=0.5` | turns at that share of the commanded speed |
-    | `joint/N:runaway=0.2` | turns at random speeds up to that share of its full speed |
-    | `encoder/N:stuck` | goes on reading the present angle, at rest |
+    | `joint/N:locked=60deg` | runs there within its limits, then stays (a prismatic one: `300mm`) |
+    | `joint/N:limp` | no motor: gravity pulls it, friction damps it; else it just stops |
+    | `joint/N:weak=0.5` | moves at that share of the commanded speed |
+    | `joint/N:runaway=0.2` | moves at random speeds up to that share of its full speed |
+    | `encoder/N:stuck` | goes on reading the present position, at rest |
     | `encoder/N:lost` | reads nothing (NaN) |
-    | `encoder/N:biased=5deg` | reads an angle too large by that |
-    | `encoder/N:noisy=0.5deg` | reads an angle with noise of that standard deviation |
+    | `encoder/N:biased=5deg` | reads a position too large by that (a prismatic one: `5mm`) |
+    | `encoder/N:noisy=0.5deg` | reads a position with noise of that standard deviation |
     | `localiser:lost` | measures nothing |
     | `localiser:noisy=1mm` | measures a position with such noise along each axis |
     | `localiser:late=100ms` | reports what it measured so long ago |
@@ -81,11 +86,14 @@ class Fault:
         target: `joint/N` and `encoder/N` (N from 1), `localiser` or `platform`.
         kind: As in the table.
         value: In SI; None for a kind that takes none and for `locked` where it is.
+        slides: Whether the joint is prismatic, so that a value that is an angle otherwise is a
+            length.
     """
 
     target: str
     kind: str
     value: float | None = None
+    slides: bool = False
 
     def __post_init__(self) -> None:
         """Refuse what is no fault of any robot, with `FaultError`."""
@@ -99,7 +107,7 @@ class Fault:
         if self.kind not in _KINDS[part]:
             valid = ", ".join(_KINDS[part])
             raise FaultError(f"{part} has no fault {self.kind!r}; valid are {valid}")
-        takes = _KINDS[part][self.kind]
+        takes = _value(part, self.kind, self.slides)
         if self.value is None:
             if takes is not None and takes.default is not None:
                 object.__setattr__(self, "value", takes.default)
@@ -108,9 +116,9 @@ class Fault:
         elif takes.low <= self.value <= takes.high:
             object.__setattr__(self, "value", float(self.value))
         else:
-            low, high = (_written(bound, takes.unit) for bound in (takes.low, takes.high))
+            low, high = (written(bound, takes.unit) for bound in (takes.low, takes.high))
             raise FaultError(
-                f"{self.target}:{self.kind}={_written(self.value, takes.unit)} "
+                f"{self.target}:{self.kind}={written(self.value, takes.unit)} "
                 f"is out of range; valid are {low} to {high}"
             )
 
@@ -126,17 +134,20 @@ class Fault:
         Raises:
             FaultError: There is no such fault, or the robot cannot have it.
         """
-        head, equals, written = text.strip().partition("=")
+        head, equals, text_of_value = text.strip().partition("=")
         target, colon, kind = (word.strip() for word in head.partition(":"))
         if not colon:
             raise FaultError(f"{text!r} is no fault; write TARGET:KIND, such as joint/2:locked")
         fault = cls(target, kind)  # refuses what there is not, before its value is looked at
+        fault.check(robot)
+        slides = fault.index >= 0 and robot.joints[fault.index].slides
+        fault = cls(target, kind, slides=slides)
         if equals:
-            takes = _KINDS[fault.part][kind]
+            takes = _value(fault.part, kind, slides)
             if takes is None:
                 raise FaultError(f"{text!r}: {target}:{kind} takes no value")
             try:
-                fault = cls(target, kind, parse_quantity(written, takes.unit))
+                fault = cls(target, kind, parse_quantity(text_of_value, takes.unit), slides)
             except UnitError as error:
                 raise FaultError(f"{text!r}: {error}") from error
         fault.check(robot)
@@ -164,25 +175,16 @@ class Fault:
                 f"valid are {self.part}/1 to {self.part}/{robot.n}"
             )
         joint = robot.joints[self.index]
-        angle = self.value if self.kind == "locked" else None
-        if angle is not None and not joint.lower <= angle <= joint.upper:
-            low, high = (_written(bound, "rad") for bound in (joint.lower, joint.upper))
+        position = self.value if self.kind == "locked" else None
+        if position is not None and not joint.lower <= position <= joint.upper:
+            low, high = (written(bound, joint.unit) for bound in (joint.lower, joint.upper))
             raise FaultError(
                 f"{self}: joint '{joint.name}' cannot get there; valid are {low} to {high}"
             )
 
     def __str__(self) -> str:
         """The text that `parse` reads."""
-        takes = _KINDS[self.part][self.kind]
+        takes = _value(self.part, self.kind, self.slides)
         if self.value is None or takes is None:
             return f"{self.target}:{self.kind}"
-        return f"{self.target}:{self.kind}={_written(self.value, takes.unit)}"
-
-
-def _written(value: float, unit: Unit) -> str:
-    """Return the value in the unit people write, if it reads back exactly so; else in SI."""
-    name, per_si = _WRITTEN[unit]
-    text = f"{value * per_si:.10g}{name}"
-    if not math.isfinite(value) or parse_quantity(text, unit) == value:
-        return text
-    return f"{value!r}{unit if unit != '1' else ''}"
+        return f"{self.target}:{self.kind}={written(self.value, takes.unit)}"

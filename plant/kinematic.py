@@ -32,7 +32,7 @@ class KinematicPlant(Plant):
         """
         super().__init__(setup)
         self._state = _read_only(_start(setup))
-        self._commands = Commands(np.zeros(setup.robot.n))
+        self._commands = Commands(np.zeros(setup.robot.n), np.zeros(_width(setup.robot)))
         self._kinematics = kinematics_of(setup.robot)
         self._drives = setup.robot.drive is not None
         self._at_origin = not self._drives and not self._state.base.any()  # for ever
@@ -55,7 +55,7 @@ class KinematicPlant(Plant):
         self._effects.inject(fault, self._state, self._sighting)
 
     def write(self, commands: Commands) -> None:
-        """Take finite speeds, (..., n) and (..., 2), or with fewer leading dimensions."""
+        """Take finite speeds (see `Commands`), perhaps with fewer leading dimensions."""
         self._commands = commands
 
     def step(self) -> None:
@@ -120,7 +120,7 @@ def _start(setup: Setup) -> State:
     if q.ndim < 1 or q.shape[-1] != robot.n or base.ndim < 1 or base.shape[-1] != 3:
         raise RobotError(
             f"a start of shapes {q.shape} and {base.shape} does not fit robot '{robot.name}'; "
-            f"it wants (..., {robot.n}) joint angles and (..., 3) for the base"
+            f"it wants (..., {robot.n}) joint positions and (..., 3) for the base"
         )
     if not 0.0 < period < math.inf:
         raise RobotError(f"a period of {period} s; it must be positive and finite")
@@ -133,8 +133,13 @@ def _start(setup: Setup) -> State:
         _by_column(np.broadcast_to(q, (*batch, robot.n))),
         _by_column(np.zeros((*batch, robot.n))),
         _by_column(np.broadcast_to(base, (*batch, 3))),
-        _by_column(np.zeros((*batch, 2))),
+        _by_column(np.zeros((*batch, _width(robot)))),
     )
+
+
+def _width(robot: Robot) -> int:
+    """Return how many velocities its base has; two, which stay 0, if it is fixed."""
+    return 2 if robot.drive is None else len(robot.drive.max_velocity)
 
 
 def _by_column(values: Array) -> Array:
@@ -154,13 +159,14 @@ def _read_only(state: State) -> State:
 
 
 def _check_ranges(robot: Robot, q: Array) -> None:
-    """Raise `RobotError` for an angle that a joint cannot have."""
+    """Raise `RobotError` for a position that a joint cannot have."""
     for number, joint in enumerate(robot.joints, 1):
-        angles = q[..., number - 1]
-        bad = angles[~(np.isfinite(angles) & (angles >= joint.lower) & (angles <= joint.upper))]
+        start = q[..., number - 1]
+        bad = start[~(np.isfinite(start) & (start >= joint.lower) & (start <= joint.upper))]
         if bad.size:
-            first, low, high = np.degrees([bad[0], joint.lower, joint.upper])
+            unit, per_si = ("mm", 1e3) if joint.slides else ("deg", math.degrees(1.0))
+            first, low, high = (per_si * x for x in (bad[0], joint.lower, joint.upper))
             raise RobotError(
-                f"joint {number} '{joint.name}' cannot start at {first:.6g} deg; "
-                f"its range is {low:.6g} to {high:.6g} deg"
+                f"joint {number} '{joint.name}' cannot start at {first:.6g} {unit}; "
+                f"its range is {low:.6g} to {high:.6g} {unit}"
             )

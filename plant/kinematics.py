@@ -1,4 +1,4 @@
-"""Forward kinematics: where an arm is at given joint angles, for one arm or for thousands."""
+"""Forward kinematics: where an arm is at given joint positions, for one arm or for thousands."""
 
 import math
 from collections.abc import Sequence
@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from plant import scalar
-from plant.robot import Array, Numbers, Robot
+from plant.robot import Array, Joint, Numbers, Robot
 from plant.straight_line import Forward, forward_function
 
 Parts = tuple[Array, Array, Array]
@@ -18,9 +18,9 @@ Parts = tuple[Array, Array, Array]
 class ArmPose:
     """An arm in the world, or many.
 
-    The tip moves with `cross(axes[i], tip - points[i])` per rad/s of joint i: the columns of the
-    Jacobian matrix. The parts (x, y, z) are as they were computed; arrays are made of them when
-    they are asked for.
+    The tip moves with `cross(axes[i], tip - points[i])` per rad/s of a joint i that turns, and
+    with `axes[i]` per m/s of one that slides: the columns of the Jacobian matrix. The parts
+    (x, y, z) are as they were computed; arrays are made of them when they are asked for.
     """
 
     def __init__(self, numbers: Sequence[Any], batch: tuple[int, ...]) -> None:
@@ -39,7 +39,7 @@ class ArmPose:
         return tuple(self._numbers[:3]), tuple(self._numbers[3:12])
 
     def point_parts(self, index: int) -> Parts:
-        """Return a point on the axis of joint `index` (from 0): the origin of its frame [m]."""
+        """Return a point on the axis of joint `index` (from 0): its frame's origin at 0 [m]."""
         return self._three(12 + 3 * index)
 
     def axis_parts(self, index: int) -> Parts:
@@ -62,7 +62,7 @@ class ArmPose:
 
     @cached_property
     def points(self) -> Array:
-        """(..., n, 3), a point on each joint's axis: the origin of its frame [m]."""
+        """(..., n, 3), a point on each joint's axis: the origin of its frame at position 0 [m]."""
         return self._vectors(12, self._axes_begin)
 
     @cached_property
@@ -91,9 +91,10 @@ class Kinematics:
     """Forward kinematics of one robot, with all that is constant computed once.
 
     Each joint's frame is turned so that its axis is z. Past joint i the chain then goes on by
-    Rz(q_i) L_i with a constant L_i. The base's heading is one more such angle, with its axis
-    through the origin of the base's frame. This is written out for the robot
-    (`forward_function`): one arm goes through it in plain floats, many as arrays.
+    Rz(q_i) L_i with a constant L_i, or by Tz(q_i) L_i where the joint slides. The base's heading
+    is one more such angle, with its axis through the origin of the base's frame. This is written
+    out for the robot (`forward_function`): one arm goes through it in plain floats, many as
+    arrays.
 
     The last result for many arms is kept and returned again for the same read-only arrays: in a
     study, all agents ask for the same.
@@ -102,20 +103,21 @@ class Kinematics:
     def __init__(self, robot: Robot) -> None:
         """Prepare for that robot."""
         self.robot = robot
-        self._align = np.stack([np.eye(4), *(_z_onto(joint.axis) for joint in robot.joints)])
+        align = np.stack([np.eye(4), *(_z_onto(joint.axis) for joint in robot.joints)])
         offsets = np.stack([*(joint.origin for joint in robot.joints), robot.tip])  # to the next
-        links = self._align.transpose(0, 2, 1) @ offsets
-        links[:-1] = links[:-1] @ self._align[1:]
+        links = align.transpose(0, 2, 1) @ offsets
+        links[:-1] = links[:-1] @ align[1:]
         # each link's x, y, z and p, one after the other
         self._columns = [tuple(link[:3].T.ravel().tolist()) for link in links]
-        self._of_one = forward_function(self._columns, math.cos, math.sin)
+        self._sliding = frozenset(i for i, joint in enumerate(robot.joints, 1) if joint.slides)
+        self._of_one = forward_function(self._columns, math.cos, math.sin, self._sliding)
         self._last: tuple[Array, Array, ArmPose] | None = None
 
     def forward(self, q: Array, base: Array | None = None) -> ArmPose:
         """Return the arm in the world.
 
         Args:
-            q: (..., n) joint angles [rad].
+            q: (..., n) joint positions [rad or m].
             base: (..., 3) x, y [m], heading [rad]; None for zeros. Leading dimensions of the two
                 are broadcast.
         """
@@ -130,7 +132,7 @@ class Kinematics:
         return pose
 
     def forward_of_one(self, q: Sequence[float], base: Sequence[float]) -> ArmPose:
-        """Return the same for one arm in plain numbers: its n angles, and three of the base."""
+        """Return the same for one arm in plain numbers: its n positions, and the base's three."""
         return ArmPose(self._of_one(*base, *q), ())
 
     def _forward_of_many(self, q: Array, base: Array) -> ArmPose:
@@ -142,12 +144,12 @@ class Kinematics:
     @cached_property
     def _of_many(self) -> Forward:
         """Compiled when it is needed, which it never is in an agent's process."""
-        return forward_function(self._columns, np.cos, np.sin)
+        return forward_function(self._columns, np.cos, np.sin, self._sliding)
 
     def frames(self, q: Array, base: Array | None = None) -> Array:
-        """Return (..., n + 1, 4, 4): the base's frame and each joint's frame in the world.
+        """Return (..., 1 + n + m, 4, 4): the frames of base, joints and mimics in the world.
 
-        A joint's frame is turned by its angle; `Shape.frame` counts these.
+        A joint's frame is moved by its position; `Shape.frame` counts these.
 
         Args:
             q: As for `forward`.
@@ -155,13 +157,18 @@ class Kinematics:
         """
         base = np.zeros(3) if base is None else base
         batch = np.broadcast_shapes(q.shape[:-1], base.shape[:-1])
-        angles = np.empty((*batch, self.robot.n + 1))
-        angles[..., 0], angles[..., 1:] = base[..., 2], q
-        turns = self._align @ _about_z(angles) @ self._align.transpose(0, 2, 1)
-        turns[..., 0, :2, 3] = base[..., :2]
+        frames = np.empty((*batch, 1 + self.robot.n + len(self.robot.mimics), 4, 4))
+        frames[..., 0, :, :] = _about_z(base[..., 2])
+        frames[..., 0, :2, 3] = base[..., :2]
         for i, joint in enumerate(self.robot.joints):
-            turns[..., i + 1, :, :] = turns[..., i, :, :] @ joint.origin @ turns[..., i + 1, :, :]
-        return turns
+            moved = joint.origin @ _motion(joint, q[..., i])
+            frames[..., i + 1, :, :] = frames[..., i, :, :] @ moved
+        for i, (joint, frame, leader, multiplier, offset) in enumerate(
+            self.robot.mimics, self.robot.n + 1
+        ):
+            moved = joint.origin @ _motion(joint, multiplier * q[..., leader] + offset)
+            frames[..., i, :, :] = frames[..., frame, :, :] @ moved
+        return frames
 
 
 def quaternion(rotation: Array) -> Array:
@@ -200,6 +207,16 @@ _OUTER = _outer_from_rotation()
 _UNIT_OUTER = np.eye(4).reshape(16)
 _AT_ORIGIN = np.zeros(3)
 _AT_ORIGIN.flags.writeable = False
+
+
+def _motion(joint: Joint, position: Array) -> Array:
+    """Return (..., 4, 4), how a joint's frame moves from position 0 to `position` (...)."""
+    if joint.slides:
+        shift = np.broadcast_to(np.eye(4), (*position.shape, 4, 4)).copy()
+        shift[..., :3, 3] = position[..., None] * joint.axis
+        return shift
+    align = _z_onto(joint.axis)
+    return align @ _about_z(position) @ align.T
 
 
 def _about_z(angle: Array) -> Array:

@@ -34,17 +34,17 @@ class State:
 
     @property
     def numbers(self) -> tuple[Numbers, Numbers, Numbers, Numbers]:
-        """The angles, speeds, base and base velocity of one robot."""
+        """The positions, speeds, base and base velocity of one robot."""
         return self._rows
 
     @cached_property
     def q(self) -> Array:
-        """(..., n), joint angles [rad]."""
+        """(..., n), joint positions [rad or m]."""
         return _array(self._rows[0])
 
     @cached_property
     def qd(self) -> Array:
-        """(..., n), joint speeds [rad/s]."""
+        """(..., n), joint speeds [rad/s or m/s]."""
         return _array(self._rows[1])
 
     @cached_property
@@ -54,7 +54,7 @@ class State:
 
     @cached_property
     def base_velocity(self) -> Array:
-        """(..., 2), speed forward [m/s] and turning speed [rad/s]."""
+        """(..., 2), speed forward [m/s] and turning [rad/s]; (..., 3) if holonomic: sideways."""
         return _array(self._rows[3])
 
 
@@ -78,8 +78,8 @@ def step(robot: Robot, state: State, commands: Commands, period: float) -> State
 
     Args:
         robot: What moves.
-        state: Its angles lie within the joints' ranges and its speeds let the joints stop in time,
-            as in every state that this function has made.
+        state: Its positions lie within the joints' ranges and its speeds let the joints stop in
+            time, as in every state that this function has made.
         commands: Finite speeds; with leading dimensions like the state's, or fewer.
         period: [s].
     """
@@ -93,16 +93,15 @@ def step(robot: Robot, state: State, commands: Commands, period: float) -> State
         room = np.where(qd > 0.0, robot.upper - state.q, state.q - robot.lower)
         room = np.minimum(room, far)  # more makes no difference, and infinity is no number
         qd = _cut(qd, stopping_speed(room, robot.max_acceleration, period))
-    # a rounding error must not take the angle over the end of its range
+    # a rounding error must not take the joint over the end of its range
     q = np.minimum(np.maximum(state.q + qd * period, robot.lower), robot.upper)
     if robot.drive is None:
         return State(t, q, qd, state.base, state.base_velocity)
     velocity = _limited(
         commands.base,
         state.base_velocity,
-        np.array([robot.drive.max_linear, robot.drive.max_angular]),
-        np.array([robot.drive.max_linear_acceleration, robot.drive.max_angular_acceleration])
-        * period,
+        np.array(robot.drive.max_velocity),
+        np.array(robot.drive.max_acceleration) * period,
     )
     return State(t, q, qd, arc(state.base, velocity, period), velocity)
 
@@ -117,14 +116,15 @@ def _step_single(robot: Robot, state: State, commands: Commands, period: float, 
 
 
 def arc(base: Array, velocity: Array, period: float) -> Array:
-    """Return (..., 3): where a unicycle is after `period` [s] at constant `velocity`, from `base`.
+    """Return (..., 3): where a base is after `period` [s] at constant `velocity`, from `base`.
 
     Exact: it moves along an arc whose chord points halfway between the two headings and is
-    sin(a) / a times as long as the arc, where a is half the turn.
+    sin(a) / a times as long as the arc, where a is half the turn. A holonomic base moves along
+    the sum of this chord and of one to its left.
 
     Args:
         base: (..., 3) x, y [m], heading [rad].
-        velocity: (..., 2) forward [m/s], turning [rad/s].
+        velocity: (..., 2) forward [m/s], turning [rad/s]; (..., 3) if holonomic: to the left [m/s].
         period: [s].
     """
     half = 0.5 * period * velocity[..., 1]
@@ -134,6 +134,10 @@ def arc(base: Array, velocity: Array, period: float) -> Array:
     end = np.empty(np.broadcast_shapes(base.shape, (*velocity.shape[:-1], 3)))
     end[..., 0] = base[..., 0] + chord * np.cos(middle)
     end[..., 1] = base[..., 1] + chord * np.sin(middle)
+    if velocity.shape[-1] > 2:
+        chord = period * velocity[..., 2] * shrink
+        end[..., 0] -= chord * np.sin(middle)
+        end[..., 1] += chord * np.cos(middle)
     end[..., 2] = middle + half
     return end
 
@@ -145,8 +149,8 @@ def stopping_speed(distance: Array, acceleration: Array | float, period: float) 
     m u fit in m u - m (m - 1) / 2; the least m that needs the whole distance d has m (m + 1) >= 2d.
 
     Args:
-        distance: (...) [rad].
-        acceleration: a [rad/s2].
+        distance: (...) [rad or m].
+        acceleration: a [rad/s2 or m/s2].
         period: T, in steps of which the speed changes [s].
     """
     unit = acceleration * period

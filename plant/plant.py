@@ -29,8 +29,9 @@ class Commands(NamedTuple):
     """The speeds that the motors are to have.
 
     Attributes:
-        joints: (..., n) [rad/s].
-        base: (..., 2) forward [m/s] and turning [rad/s]; of no effect without a drive.
+        joints: (..., n) [rad/s], of a prismatic joint [m/s].
+        base: (..., 2) forward [m/s] and turning [rad/s], of a holonomic base (..., 3): to the left
+            [m/s]; of no effect without a drive.
     """
 
     joints: Row
@@ -42,8 +43,8 @@ class Readings(NamedTuple):
 
     Attributes:
         t: Plant time [s], which starts near 0 and never goes back.
-        q: (..., n) of the encoders [rad]; NaN where one is lost.
-        qd: (..., n) of the encoders [rad/s]; NaN likewise.
+        q: (..., n) of the encoders [rad or m]; NaN where one is lost.
+        qd: (..., n) of the encoders [rad/s or m/s]; NaN likewise.
         position: (..., 3) of the tip in the world [m] by the localiser; None when it is lost.
         rotation: (..., 3, 3), or 9 row by row: the tip's x, y and z directions in the world as
             columns, by the localiser; None when it is lost.
@@ -65,10 +66,10 @@ class Truth(NamedTuple):
 
     Attributes:
         t: Plant time [s].
-        q: Joint angles.
+        q: Joint positions.
         qd: Joint speeds.
         base: x, y and heading in the world, zeros without a drive.
-        base_velocity: (..., 2) forward [m/s] and turning [rad/s].
+        base_velocity: (..., 2) or (..., 3), as of `Commands.base`.
         position: Of the tip in the world.
         rotation: Of the tip in the world.
     """
@@ -88,7 +89,8 @@ class Setup:
 
     Attributes:
         robot: What it moves.
-        q: (..., n) joint angles to start from [rad]; leading dimensions are a batch of robots.
+        q: (..., n) joint positions to start from [rad or m]; leading dimensions are a batch of
+            robots.
         base: (..., 3) x, y [m] and heading [rad] to start from; None for zeros.
         period: Of the control loop [s].
         seed: Of all that is random in it.

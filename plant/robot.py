@@ -1,8 +1,8 @@
-"""The description of a robot: a chain of turning joints, perhaps on a driven platform."""
+"""The description of a robot: a chain of joints that turn or slide, perhaps on a mobile base."""
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
+from typing import Annotated, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -19,42 +19,68 @@ class RobotError(MsmaError, ValueError):
     """A robot description that cannot be read, or that contradicts itself."""
 
 
-@dataclass(frozen=True, eq=False)
-class Shape:
-    """A simple solid for viewers to draw.
+JointKind = Literal["revolute", "continuous", "prismatic"]
+"""A joint that turns within limits, one that turns without, and one that slides."""
+ShapeKind = Literal["box", "cylinder", "sphere", "mesh"]
+
+
+class Shape(NamedTuple):
+    """A simple solid, or a mesh, for viewers to draw and for physics to collide.
 
     Attributes:
         kind: Which solid.
         size: Metres: edges x, y, z of a box; radius and length (along z) of a cylinder; radius
-            of a sphere.
-        pose: (4, 4), the solid's centre seen from the frame it moves with.
-        frame: Which frame it moves with: 0 is the base, i the one turned by joint i, counting
-            from 1 (see `Kinematics.frames`).
+            of a sphere. The scale along x, y and z of a mesh.
+        pose: (4, 4), the solid's centre (a mesh's origin) seen from the frame it moves with.
+        frame: Which frame it moves with: 0 is the base, i the one moved by joint i, counting
+            from 1, and n + k the one moved by mimic k (see `Kinematics.frames`).
         colour: Red, green, blue and opacity, each 0 to 1.
         link: The link of the description that it is part of.
+        file: Of a mesh, as the description has it, such as `package://.../link.stl`.
     """
 
-    kind: Literal["box", "cylinder", "sphere"]
+    kind: ShapeKind
     size: tuple[float, ...]
     pose: Array
     frame: int
     colour: tuple[float, float, float, float]
     link: str
+    file: str = ""
+
+
+class Inertial(NamedTuple):
+    """The mass of a link.
+
+    Attributes:
+        mass: [kg].
+        tensor: (3, 3) about the centre of mass, along the axes of `pose` [kg m2].
+        pose: (4, 4), the centre of mass seen from the frame it moves with.
+        frame: As of a `Shape`.
+        link: The link of the description.
+    """
+
+    mass: float
+    tensor: Array
+    pose: Array
+    frame: int
+    link: str
 
 
 @dataclass(frozen=True, eq=False)
 class Joint:
-    """One turning joint of the arm.
+    """One joint of the arm.
 
     Attributes:
         name: As in the description.
-        axis: (3,) unit vector about which a positive angle turns, in the joint's frame.
-        origin: (4, 4), the joint's frame at angle 0 seen from the frame of the joint before it
+        axis: (3,) unit vector about which a positive angle turns, or along which a positive
+            displacement slides, in the joint's frame.
+        origin: (4, 4), the joint's frame at position 0 seen from the frame of the joint before it
             (from the base for the first joint).
-        lower: Smallest angle [rad], -inf for a joint that turns for ever.
-        upper: Largest angle [rad], inf for a joint that turns for ever.
-        max_speed: [rad/s], either way.
-        max_acceleration: [rad/s2], speeding up and slowing down.
+        lower: Smallest position [rad or m], -inf for a continuous joint.
+        upper: Largest position [rad or m], inf for a continuous joint.
+        max_speed: [rad/s or m/s], either way.
+        max_acceleration: [rad/s2 or m/s2], speeding up and slowing down.
+        kind: Which motion it has.
     """
 
     name: str
@@ -64,32 +90,106 @@ class Joint:
     upper: float
     max_speed: float
     max_acceleration: float
+    kind: JointKind = "revolute"
+
+    @property
+    def slides(self) -> bool:
+        """Whether it is prismatic."""
+        return self.kind == "prismatic"
+
+    @property
+    def unit(self) -> Literal["rad", "m"]:
+        """Of its position; its speed is in that per second."""
+        return "m" if self.slides else "rad"
 
 
-@dataclass(frozen=True)
-class Drive:
-    """Two wheels on one axle, each with a motor; the base frame is on the floor below its middle.
+class Mimic(NamedTuple):
+    """A joint outside the arm that moves with a joint of the arm: `multiplier` q + `offset`.
 
     Attributes:
-        track: Distance between the wheels [m].
-        wheel_radius: [m].
+        joint: The joint; its `origin` is seen from frame `frame`.
+        frame: Of the link that carries it; as of a `Shape`.
+        leader: Index (from 0) of the joint of the arm.
+        multiplier: Its motion [rad or m] for each [rad or m] of the leader.
+        offset: Its position when the leader is at 0 [rad or m].
+    """
+
+    joint: Joint
+    frame: int
+    leader: int
+    multiplier: float
+    offset: float
+
+
+class Held(NamedTuple):
+    """A joint that can move but is not part of the arm; the description takes it as fixed.
+
+    Attributes:
+        name: As in the description.
+        kind: As in the description, such as `prismatic` or `floating`.
+        position: Where it is held [rad or m].
+        mimics: The joint whose position it follows, empty without one.
+    """
+
+    name: str
+    kind: str
+    position: float
+    mimics: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Drive:
+    """What moves a base in the plane; the base frame is the root link's.
+
+    A differential drive has two wheels on one axle, each with a motor, and the base frame below the
+    axle's middle. A holonomic base (omnidirectional wheels) also moves sideways.
+
+    Attributes:
+        kind: Whether it can move sideways.
         max_linear: Largest speed forward or back [m/s].
         max_angular: Largest turning speed [rad/s].
         max_linear_acceleration: [m/s2].
         max_angular_acceleration: [rad/s2].
+        max_lateral: Largest speed to the left or right of a holonomic base [m/s]; by default
+            `max_linear`. Its acceleration is limited as that forward is.
+        track: Distance between the wheels [m]; None where nobody has said.
+        wheel_radius: [m]; None likewise.
     """
 
-    track: float
-    wheel_radius: float
-    max_linear: float
-    max_angular: float
-    max_linear_acceleration: float
-    max_angular_acceleration: float
+    kind: Literal["differential", "holonomic"] = "differential"
+    max_linear: Annotated[float, "m/s"]
+    max_angular: Annotated[float, "rad/s"]
+    max_linear_acceleration: Annotated[float, "m/s2"]
+    max_angular_acceleration: Annotated[float, "rad/s2"]
+    max_lateral: Annotated[float, "m/s"] | None = None
+    track: Annotated[float, "m"] | None = None
+    wheel_radius: Annotated[float, "m"] | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse limits that are not positive, and a sideways speed of a differential drive."""
+        for name, value in vars(self).items():
+            if name != "kind" and value is not None and not value > 0.0:
+                raise RobotError(f"{name}: {value:g} must be positive")
+        if self.kind == "differential" and self.max_lateral is not None:
+            raise RobotError("max_lateral: a differential drive does not move sideways")
+
+    @cached_property
+    def max_velocity(self) -> Numbers:
+        """The limits forward [m/s] and turning [rad/s], and sideways [m/s] if holonomic."""
+        if self.kind == "differential":
+            return self.max_linear, self.max_angular
+        return self.max_linear, self.max_angular, self.max_lateral or self.max_linear
+
+    @cached_property
+    def max_acceleration(self) -> Numbers:
+        """The limits of the change of each velocity [m/s2], [rad/s2], [m/s2]."""
+        both = self.max_linear_acceleration, self.max_angular_acceleration
+        return both if self.kind == "differential" else (*both, both[0])
 
 
 @dataclass(frozen=True, eq=False)
 class Robot:
-    """A chain of turning joints from a base to a tip; frames are REP-103 (x forward, z up).
+    """A chain of joints from a base to a tip; frames are REP-103 (x forward, z up).
 
     Attributes:
         name: As in the description.
@@ -97,6 +197,10 @@ class Robot:
         tip: (4, 4), the tip (grip point) seen from the last joint's frame.
         drive: What moves the base, or None when it is bolted to the world.
         visuals: What to draw.
+        collisions: What can be touched.
+        inertials: The masses of the links, of those that have one.
+        mimics: Joints that are not part of the arm and move with one that is.
+        held: All other joints that could move but are taken as fixed.
     """
 
     name: str
@@ -104,6 +208,10 @@ class Robot:
     tip: Array
     drive: Drive | None = None
     visuals: tuple[Shape, ...] = ()
+    collisions: tuple[Shape, ...] = ()
+    inertials: tuple[Inertial, ...] = ()
+    mimics: tuple[Mimic, ...] = ()
+    held: tuple[Held, ...] = ()
 
     @property
     def n(self) -> int:
@@ -112,22 +220,22 @@ class Robot:
 
     @cached_property
     def lower(self) -> Array:
-        """(n,) smallest angles [rad]."""
+        """(n,) smallest positions [rad or m]."""
         return _fixed([joint.lower for joint in self.joints])
 
     @cached_property
     def upper(self) -> Array:
-        """(n,) largest angles [rad]."""
+        """(n,) largest positions [rad or m]."""
         return _fixed([joint.upper for joint in self.joints])
 
     @cached_property
     def max_speed(self) -> Array:
-        """(n,) largest speeds [rad/s]."""
+        """(n,) largest speeds [rad/s or m/s]."""
         return _fixed([joint.max_speed for joint in self.joints])
 
     @cached_property
     def max_acceleration(self) -> Array:
-        """(n,) largest accelerations [rad/s2]."""
+        """(n,) largest accelerations [rad/s2 or m/s2]."""
         return _fixed([joint.max_acceleration for joint in self.joints])
 
 

@@ -15,7 +15,7 @@ from plant.robot import Drive, Numbers, Robot
 def step_joints(
     robot: Robot, angles: Numbers, speeds: Numbers, wanted: Numbers, period: float
 ) -> tuple[Numbers, Numbers]:
-    """Return angles [rad] and speeds [rad/s] of the joints one `period` [s] later."""
+    """Return positions [rad or m] and speeds of the joints one `period` [s] later."""
     q: list[float] = []
     qd: list[float] = []
     moving = zip(angles, speeds, wanted, _bounds(robot, period), strict=True)
@@ -34,20 +34,23 @@ def step_base(
     drive: Drive, base: Numbers, velocity: Numbers, wanted: Numbers, period: float
 ) -> tuple[Numbers, Numbers]:
     """Return pose (x, y [m], heading [rad]) and velocity of the base one `period` [s] later."""
-    changes = drive.max_linear_acceleration * period, drive.max_angular_acceleration * period
-    linear = limited(wanted[0], velocity[0], drive.max_linear, changes[0])
-    angular = limited(wanted[1], velocity[1], drive.max_angular, changes[1])
-    return arc(base, (linear, angular), period), (linear, angular)
+    limits = zip(wanted, velocity, drive.max_velocity, drive.max_acceleration, strict=True)
+    moving = [limited(goal, now, top, change * period) for goal, now, top, change in limits]
+    return arc(base, moving, period), tuple(moving)
 
 
-def arc(base: Numbers, velocity: Numbers, period: float) -> Numbers:
-    """Return where a unicycle is after `period` [s] at constant `velocity`, from `base`."""
+def arc(base: Numbers, velocity: Sequence[float], period: float) -> Numbers:
+    """Return where a base is after `period` [s] at constant `velocity`, from `base`."""
     x, y, heading = base
-    linear, angular = velocity
+    linear, angular, *lateral = velocity
     half = 0.5 * period * angular
     chord = period * linear * (1.0 if half == 0.0 else math.sin(half) / half)
     middle = heading + half
-    return x + chord * math.cos(middle), y + chord * math.sin(middle), middle + half
+    x, y = x + chord * math.cos(middle), y + chord * math.sin(middle)
+    if lateral:
+        chord = period * lateral[0] * (1.0 if half == 0.0 else math.sin(half) / half)
+        x, y = x - chord * math.sin(middle), y + chord * math.cos(middle)
+    return x, y, middle + half
 
 
 def limited(wanted: float, now: float, speed: float, change: float) -> float:

@@ -4,7 +4,7 @@ Most numbers of most links are 0 or 1. Products with these are left out, so that
 array of thousands, takes less than half the time of a loop over the links.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from typing import Any
 
 Link = tuple[float, ...]
@@ -14,18 +14,23 @@ _ZERO, _ONE, _MINUS_ONE = "0.0", "1.0", "-1.0"
 
 
 def forward_function(
-    links: Sequence[Link], cos: Callable[[Any], Any], sin: Callable[[Any], Any]
+    links: Sequence[Link],
+    cos: Callable[[Any], Any],
+    sin: Callable[[Any], Any],
+    sliding: Collection[int] = (),
 ) -> Forward:
     """Return a function that computes the forward kinematics of one robot.
 
-    It takes x, y [m] and heading [rad] of the base, and then the joint angles [rad]. It returns a
-    list: the grip point (3), the rotation of the hand by rows (9), a point on each joint's axis
-    (3 n), and the axes (3 n). A number that is the same for all poses is a plain float.
+    It takes x, y [m] and heading [rad] of the base, and then the joint positions [rad or m]. It
+    returns a list: the grip point (3), the rotation of the hand by rows (9), a point on each
+    joint's axis (3 n), and the axes (3 n). A number that is the same for all poses is a plain
+    float.
 
     Args:
         links: From the base and from each joint to the next frame.
         cos: The cosine of the numbers, or arrays, that the function is for.
         sin: The sine of the same.
+        sliding: Which links move along z instead of turning about it: i for joint i, from 1.
     """
     code = _Code(cos, sin)
     x, y, z = (_ONE, _ZERO, _ZERO), (_ZERO, _ONE, _ZERO), (_ZERO, _ZERO, _ONE)
@@ -33,9 +38,13 @@ def forward_function(
     points: list[str] = []
     axes: list[str] = []
     for i, link in enumerate(links):
-        code.lines.append(f"c{i} = cos(a{i}); s{i} = sin(a{i})")
-        u = code.column(f"u{i}", (f"c{i}", f"s{i}"), (x, y))  # x, turned
-        v = code.column(f"v{i}", (f"c{i}", f"-s{i}"), (y, x))  # y, turned
+        u, v = x, y
+        if i in sliding:
+            p = code.column(f"t{i}", (_ONE, f"a{i}"), (p, z))
+        else:
+            code.lines.append(f"c{i} = cos(a{i}); s{i} = sin(a{i})")
+            u = code.column(f"u{i}", (f"c{i}", f"s{i}"), (x, y))  # x, turned
+            v = code.column(f"v{i}", (f"c{i}", f"-s{i}"), (y, x))  # y, turned
         weights = [repr(weight + 0.0) for weight in link]  # there is a -0.0 too
         way = code.column(f"d{i}", weights[9:], (u, v, z))
         p = code.column(f"p{i}", (_ONE, _ONE), (p, way))

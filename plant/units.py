@@ -6,7 +6,7 @@ from typing import Literal, NamedTuple
 
 from plant.errors import MsmaError
 
-Unit = Literal["s", "m", "rad", "m/s", "rad/s", "m/s2", "rad/s2", "Hz", "1"]
+Unit = Literal["s", "m", "rad", "rad or m", "m/s", "rad/s", "m/s2", "rad/s2", "Hz", "1"]
 
 
 class UnitError(MsmaError, ValueError):
@@ -35,6 +35,7 @@ _KINDS: dict[Unit, _Kind] = {
     ),
     "m": _Kind("a length", "3 mm or 0.003 m", _LENGTHS),
     "rad": _Kind("an angle", "60 deg or 1.05 rad", _ANGLES),
+    "rad or m": _Kind("an angle or a length", "60 deg or 30 cm", _ANGLES | _LENGTHS),
     "m/s": _Kind("a speed", "7.28 cm/s or 0.0728 m/s", _per(_LENGTHS, "s")),
     "rad/s": _Kind("an angular speed", "50 deg/s or 0.87 rad/s", _per(_ANGLES, "s")),
     "m/s2": _Kind("an acceleration", "0.5 m/s2", _per(_LENGTHS, "s2")),
@@ -43,6 +44,12 @@ _KINDS: dict[Unit, _Kind] = {
     "1": _Kind("a plain number", "0.5 or 50 %", {"1": 1.0, "%": 1e-2}),
 }
 _SPELLINGS = {"²": "2", "^2": "2", "µ": "u", "μ": "u", "°": "deg"}
+_WRITTEN: dict[Unit, tuple[str, float]] = {  # the unit people write, and how much of it one SI is
+    "rad": ("deg", 180.0 / math.pi),
+    "m": ("mm", 1e3),
+    "s": ("ms", 1e3),
+    "1": ("", 1.0),
+}
 _QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*", re.DOTALL)
 
 
@@ -74,6 +81,15 @@ def parse_quantity(value: float | int | str, unit: Unit) -> float:
     return _finite(float(number), factor, value, wanted)
 
 
+def written(value: float, unit: Unit) -> str:
+    """Return a quantity as people write it, if it reads back exactly so; else in SI."""
+    name, per_si = _WRITTEN[unit]
+    text = f"{value * per_si:.10g}{name}"
+    if not math.isfinite(value) or parse_quantity(text, unit) == value:
+        return text
+    return f"{value!r}{unit if unit != '1' else ''}"
+
+
 def _finite(number: float, factor: float, value: object, wanted: _Kind) -> float:
     try:
         result = float(number) * factor
@@ -88,7 +104,7 @@ def _finite(number: float, factor: float, value: object, wanted: _Kind) -> float
 
 def _complaint(value: str, given: str, wanted: _Kind) -> str:
     want = f"{wanted.name} is wanted, such as {wanted.example}"
-    for kind in _KINDS.values():
-        if given in kind.units:
+    for unit, kind in _KINDS.items():
+        if given in kind.units and unit != "rad or m":
             return f"{value.strip()} is {kind.name}; {want}"
     return f"{value.strip()!r}: there is no unit {given!r}; {want}"

@@ -3,12 +3,12 @@
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import NamedTuple
 from xml.parsers import expat
 
 import numpy as np
 
-from plant.robot import Array, RobotError
+from plant.robot import Array, RobotError, ShapeKind
 
 _GREY = (0.6, 0.6, 0.6, 1.0)
 
@@ -157,20 +157,41 @@ def axis(joint: Element, who: str) -> Array:
     return unit
 
 
-def solid(
-    visual: Element, who: str
-) -> tuple[Literal["box", "cylinder", "sphere"], tuple[float, ...]] | None:
-    """Return kind and size [m] of the geometry; None for a mesh, which is not read."""
-    geometry = visual.find("geometry")
+class Solid(NamedTuple):
+    """A geometry: kind, size and file of a `Shape`."""
+
+    kind: ShapeKind
+    size: tuple[float, ...]
+    file: str = ""
+
+
+def solid(body: Element, who: str) -> Solid | None:
+    """Return the geometry of a `<visual>` or `<collision>`; None for one that we do not know."""
+    geometry = body.find("geometry")
     if geometry is None:
-        raise visual.error(f"{who}: <visual> has no <geometry>")
+        raise body.error(f"{who}: <{body.tag}> has no <geometry>")
     if (box := geometry.find("box")) is not None:
-        return "box", box.vector("size", who)
+        return Solid("box", box.vector("size", who))
     if (cylinder := geometry.find("cylinder")) is not None:
-        return "cylinder", (cylinder.positive("radius", who), cylinder.positive("length", who))
+        size = cylinder.positive("radius", who), cylinder.positive("length", who)
+        return Solid("cylinder", size)
     if (sphere := geometry.find("sphere")) is not None:
-        return "sphere", (sphere.positive("radius", who),)
+        return Solid("sphere", (sphere.positive("radius", who),))
+    if (mesh := geometry.find("mesh")) is not None:
+        return Solid("mesh", mesh.vector("scale", who, (1.0,) * 3), mesh.text("filename", who))
     return None
+
+
+def mass(inertial: Element, who: str) -> tuple[float, Array] | None:
+    """Return mass [kg] and inertia tensor (3, 3) [kg m2] of an `<inertial>`; None if empty."""
+    found, inertia = inertial.find("mass"), inertial.find("inertia")
+    if found is None:
+        return None
+    xx, yy, zz, xy, xz, yz = (
+        0.0 if inertia is None else inertia.number(name, who, 0.0)
+        for name in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+    )
+    return found.number("value", who), np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
 
 def colour(

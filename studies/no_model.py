@@ -134,8 +134,8 @@ def planar_of(lengths: Array) -> Robot:
 
 
 def seven() -> Robot:
-    """Return a spatial arm of seven joints, 1.1 m long, from the URDF file beside this one."""
-    return load(Path(__file__).with_name("seven.urdf"))
+    """Return a spatial arm of seven joints, 1.1 m long, our `seven`."""
+    return load("seven")
 
 
 def _along(length: float) -> Array:

@@ -289,3 +289,25 @@ def test_random_faults_draw_anew_for_each_of_a_batch() -> None:
     assert len(np.unique(true(many).q[:, 0])) == 50
     assert len(np.unique(measured(many).q[:, 1])) == 50
     assert len(np.unique(sighting.position[:, 0])) == 50
+
+
+def test_a_lift_without_a_motor_falls_and_a_level_slide_stays() -> None:
+    robot = load("telescope")
+    start = np.array([0.5, 0.2, 0.0, 0.0, 0.0])
+    faults = [Fault.parse(text, robot) for text in ("joint/1:limp", "joint/2:limp")]
+    plant = KinematicPlant(Setup(robot, start, period=0.02), faults)
+    for _ in range(100):
+        plant.step()
+    q = plant.truth().q
+    assert q[0] < 0.3
+    assert q[1] == pytest.approx(0.2, abs=1e-6)
+
+
+def test_a_sliding_joint_runs_to_where_it_locks() -> None:
+    robot = load("telescope")
+    lock = Fault.parse("joint/1:locked=0.4 m", robot)
+    plant = KinematicPlant(Setup(robot, np.zeros(5), period=0.02), [lock])
+    for _ in range(300):
+        plant.write(Commands(np.full(5, 0.1), np.zeros(2)))
+        plant.step()
+    assert plant.truth().q[0] == pytest.approx(0.4, abs=1e-6)

@@ -109,3 +109,15 @@ def test_a_fault_is_written_in_the_units_people_use() -> None:
 def test_a_fault_error_is_an_msma_error_and_a_value_error() -> None:
     assert issubclass(FaultError, MsmaError)
     assert issubclass(FaultError, ValueError)
+
+
+def test_values_of_a_sliding_joint_are_lengths() -> None:
+    robot = load("telescope")
+    locked = Fault.parse("joint/1:locked=30 cm", robot)
+    assert (locked.value, str(locked)) == (0.3, "joint/1:locked=300mm")
+    assert str(Fault.parse("encoder/2:biased", robot)) == "encoder/2:biased=5mm"
+    assert str(Fault.parse("encoder/3:biased", robot)) == "encoder/3:biased=5deg"
+    with pytest.raises(FaultError, match="60 deg is an angle; a length is wanted"):
+        Fault.parse("joint/1:locked=60 deg", robot)
+    with pytest.raises(FaultError, match="cannot get there; valid are 0mm to 900mm"):
+        Fault.parse("joint/1:locked=2 m", robot)

@@ -8,8 +8,8 @@ import pytest
 from plant.faults import Fault, FaultError
 from plant.kinematic import KinematicPlant
 from plant.kinematics import Kinematics
-from plant.plant import Setup
-from plant.robot import Array, RobotError
+from plant.plant import Commands, Setup
+from plant.robot import Array, Drive, RobotError
 from plant.urdf import load
 from tests.plant.moving import ARPH, BASE, COMMANDS, PERIOD, START, after, arph, measured, run, true
 
@@ -104,3 +104,25 @@ def test_one_command_serves_a_whole_batch() -> None:
     one = arph()
     run(one, 0.6)
     np.testing.assert_allclose(true(many).q, np.tile(true(one).q, (7, 1)))
+
+
+def test_a_holonomic_base_moves_sideways() -> None:
+    drive = Drive(
+        kind="holonomic",
+        max_linear=1.0,
+        max_angular=1.0,
+        max_linear_acceleration=1e3,
+        max_angular_acceleration=1e3,
+    )
+    plant = KinematicPlant(Setup(load("seven", base=drive), np.zeros(7), period=0.1))
+    plant.write(Commands(np.zeros(7), np.array([0.3, 0.0, 0.4])))
+    plant.step()
+    assert plant.truth().base == pytest.approx((0.03, 0.04, 0.0))
+    plant.inject(Fault("platform", "locked"))
+    plant.step()
+    assert plant.truth().base_velocity == (0.0, 0.0, 0.0)
+
+
+def test_a_lift_cannot_start_beyond_its_range() -> None:
+    with pytest.raises(RobotError, match="joint 1 'lift' cannot start at 1000 mm; its range is 0"):
+        KinematicPlant(Setup(load("telescope"), np.array([1.0, 0, 0, 0, 0]), period=0.1))

@@ -1,6 +1,7 @@
 """Forward kinematics, against itself, against known postures and against Pinocchio."""
 
 import tempfile
+from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
@@ -12,8 +13,9 @@ from hypothesis.extra.numpy import arrays
 from plant.kinematics import ArmPose, Kinematics, quaternion
 from plant.robot import Array, Robot
 from plant.urdf import ROBOTS, load
+from tests.plant import urdf_texts
 
-NAMES = ["arph", "planar5"]
+NAMES = ["arph", "planar5", "seven", "telescope"]
 ROBOT = {name: load(name) for name in NAMES}
 KINEMATICS = {name: Kinematics(ROBOT[name]) for name in NAMES}
 angles = st.floats(-7.0, 7.0, allow_subnormal=False)
@@ -48,6 +50,8 @@ def test_axes_and_points_are_the_columns_of_the_jacobian(name: str, data: st.Dat
     kinematics, step = KINEMATICS[name], 1e-6
     pose = kinematics.forward(q, base)
     columns = np.cross(pose.axes, pose.tip - pose.points)
+    slides = [joint.slides for joint in ROBOT[name].joints]
+    columns[slides] = pose.axes[slides]
     shift = step * np.eye(len(q))
     differences = kinematics.forward(q + shift, base).tip - kinematics.forward(q - shift, base).tip
     np.testing.assert_allclose(columns, differences / (2 * step), atol=1e-8)
@@ -61,9 +65,10 @@ def test_the_hand_turns_about_the_axes(name: str, data: st.DataObject) -> None:
     pose = kinematics.forward(q)
     shift = step * np.eye(len(q))[i]
     turned = kinematics.forward(q + shift).rotation - kinematics.forward(q - shift).rotation
-    np.testing.assert_allclose(
-        np.cross(pose.axes[i], pose.rotation.T).T, turned / (2 * step), atol=1e-8
-    )
+    turning = np.cross(pose.axes[i], pose.rotation.T).T
+    if ROBOT[name].joints[i].slides:
+        turning[:] = 0.0
+    np.testing.assert_allclose(turning, turned / (2 * step), atol=1e-8)
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -140,14 +145,20 @@ def assert_same(model: pin.Model, robot: Robot, tip: str, q: Array) -> None:
     for i, joint in enumerate(robot.joints):
         placement = data.oMi[model.getJointId(joint.name)]
         np.testing.assert_allclose(frames[i + 1], placement.homogeneous, atol=1e-9)
-        np.testing.assert_allclose(pose.points[i], placement.translation, atol=1e-9)
+        point = placement.translation
+        if joint.slides:  # its frame moves along the axis, which it began on
+            point = point - q[i] * pose.axes[i]
+        np.testing.assert_allclose(pose.points[i], point, atol=1e-9)
         np.testing.assert_allclose(pose.axes[i], placement.rotation @ joint.axis, atol=1e-9)
     placement = data.oMf[model.getFrameId(tip)]
     np.testing.assert_allclose(pose.tip, placement.translation, atol=1e-9)
     np.testing.assert_allclose(pose.rotation, placement.rotation, atol=1e-9)
 
 
-@pytest.mark.parametrize(("name", "tip"), [("arph", "grip"), ("planar5", "tip")])
+TIPS = [("arph", "grip"), ("planar5", "tip"), ("seven", "tip"), ("telescope", "grip")]
+
+
+@pytest.mark.parametrize(("name", "tip"), TIPS)
 @given(data=st.data())
 def test_our_robots_stand_where_pinocchio_says(name: str, tip: str, data: st.DataObject) -> None:
     model = MODELS[name]
@@ -172,7 +183,10 @@ def test_limits_are_read_as_pinocchio_reads_them(name: str) -> None:
 @given(
     st.lists(
         st.tuples(
-            vectors, vectors, vectors.filter(lambda v: np.linalg.norm(v) > 0.1), st.booleans()
+            vectors,
+            vectors,
+            vectors.filter(lambda v: np.linalg.norm(v) > 0.1),
+            st.sampled_from(["continuous", "prismatic", "fixed"]),
         ),
         min_size=1,
         max_size=7,
@@ -180,19 +194,19 @@ def test_limits_are_read_as_pinocchio_reads_them(name: str) -> None:
     st.data(),
 )
 def test_any_chain_stands_where_pinocchio_says(
-    parts: list[tuple[Array, Array, Array, bool]], data: st.DataObject
+    parts: list[tuple[Array, Array, Array, str]], data: st.DataObject
 ) -> None:
     text = "<robot name='any'><link name='link_0'/>"
-    for i, (xyz, rpy, axis, fixed) in enumerate(
-        [*parts, (np.ones(3), np.ones(3), np.ones(3), False)]
+    for i, (xyz, rpy, axis, kind) in enumerate(
+        [*parts, (np.ones(3), np.ones(3), np.ones(3), "continuous")]
     ):
         words = [" ".join(map(repr, map(float, vector))) for vector in (xyz, rpy, axis)]
         text += (
             f"<link name='link_{i + 1}'/>"
-            f"<joint name='joint_{i}' type='{'fixed' if fixed else 'continuous'}'>"
+            f"<joint name='joint_{i}' type='{kind}'>"
             f"<parent link='link_{i}'/><child link='link_{i + 1}'/>"
             f"<origin xyz='{words[0]}' rpy='{words[1]}'/><axis xyz='{words[2]}'/>"
-            "<limit velocity='1' effort='1'/></joint>"
+            "<limit lower='-9' upper='9' velocity='1' effort='1'/></joint>"
         )
     text += "</robot>"
     with tempfile.NamedTemporaryFile("w", suffix=".urdf") as file:
@@ -235,3 +249,18 @@ def test_quaternions_of_a_batch_are_those_of_one_by_one() -> None:
     batch = quaternion(rotation)
     for index in np.ndindex(5, 2):
         np.testing.assert_allclose(batch[index], quaternion(rotation[index]), atol=1e-14)
+
+
+def test_a_finger_that_follows_a_joint_of_the_arm_moves_with_it(tmp_path: Path) -> None:
+    along_y, mimic = "<axis xyz='0 1 0'/>", "<mimic joint='slide' multiplier='-2' offset='0.5'/>"
+    arm = urdf_texts.joint("j", "a", "b")
+    arm += urdf_texts.joint("slide", "b", "c", along_y + urdf_texts.LIMIT, "prismatic")
+    finger = urdf_texts.joint("finger", "b", "d", along_y + mimic, "prismatic")
+    body = "<link name='d'><visual><geometry><sphere radius='0.1'/></geometry></visual></link>"
+    content = urdf_texts.links("a", "b", "c") + body + arm + finger
+    robot = load(urdf_texts.write(tmp_path, content), tip="c")
+    (shape,) = robot.visuals
+    assert [mimic.leader for mimic in robot.mimics] == [1]
+    assert shape.frame == robot.n + 1
+    frames = Kinematics(robot).frames(np.array([[0.0, 0.0], [0.0, 0.2]]))
+    np.testing.assert_allclose(frames[:, shape.frame, :3, 3], [[0, 0.5, 0], [0, 0.1, 0]])

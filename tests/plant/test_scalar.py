@@ -8,10 +8,18 @@ from hypothesis import strategies as st
 from plant import kinematics, motion, scalar
 from plant.motion import State, step
 from plant.plant import Commands
-from plant.robot import Array, Robot
+from plant.robot import Array, Drive, Robot
 from plant.urdf import load
 
-ROBOTS = [load("arph"), load("planar5")]
+HOLONOMIC = Drive(
+    kind="holonomic",
+    max_linear=0.5,
+    max_angular=1.0,
+    max_linear_acceleration=1.0,
+    max_angular_acceleration=2.0,
+    max_lateral=0.3,
+)
+ROBOTS = [load("arph"), load("planar5"), load("telescope"), load("seven", base=HOLONOMIC)]
 EXACT = 1e-12  # sines and cosines of arrays may differ in the last digit
 seeds = st.integers(0, 2**32 - 1)
 periods = st.floats(1e-4, 0.2)
@@ -25,11 +33,12 @@ def test_a_robot_moves_as_one_of_a_batch(robot: Robot, period: float, seed: int)
     ends = np.where(rng.random(robot.n) < 0.5, lower, upper)  # where braking begins
     q = np.where(rng.random(robot.n) < 0.3, ends, rng.uniform(lower, upper))
     base = rng.normal(size=3)
-    one = State(0.0, q, np.zeros(robot.n), base, np.zeros(2))
-    many = State(0.0, q[None], np.zeros((1, robot.n)), base[None], np.zeros((1, 2)))
+    width = 2 if robot.drive is None else len(robot.drive.max_velocity)
+    one = State(0.0, q, np.zeros(robot.n), base, np.zeros(width))
+    many = State(0.0, q[None], np.zeros((1, robot.n)), base[None], np.zeros((1, width)))
     assert (one.is_single, many.is_single) == (True, False)
     for _ in range(10):
-        joints, drive = rng.normal(size=robot.n), rng.normal(size=2)
+        joints, drive = rng.normal(size=robot.n), rng.normal(size=width)
         one = step(robot, one, Commands(tuple(joints.tolist()), tuple(drive.tolist())), period)
         many = step(robot, many, Commands(joints[None], drive[None]), period)
         assert one.t == many.t
@@ -45,12 +54,16 @@ def test_a_joint_stops_as_one_of_a_batch(distance: float, most: float, period: f
     assert scalar.stopping_speed(distance, most, period) == many[0]
 
 
-@given(st.tuples(speeds, speeds, speeds), speeds, speeds | st.just(0.0), periods)
+drives = st.tuples(speeds, speeds | st.just(0.0))
+omnidirectional = st.tuples(speeds, speeds | st.just(0.0), speeds)
+
+
+@given(st.tuples(speeds, speeds, speeds), drives | omnidirectional, periods)
 def test_a_base_drives_as_one_of_a_batch(
-    base: tuple[float, float, float], linear: float, angular: float, period: float
+    base: tuple[float, float, float], velocity: tuple[float, ...], period: float
 ) -> None:
-    many = motion.arc(np.array([base]), np.array([[linear, angular]]), period)
-    one = scalar.arc(base, (linear, angular), period)
+    many = motion.arc(np.array([base]), np.array([velocity]), period)
+    one = scalar.arc(base, velocity, period)
     assert one == pytest.approx(many[0], rel=EXACT, abs=EXACT)
 
 

@@ -1,11 +1,13 @@
 """Robots read from URDF: what is taken from the file, and what is said when it is wrong."""
 
 import math
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from plant.kinematics import Kinematics
 from plant.robot import Drive, RobotError
 from plant.urdf import DEFAULT_ACCELERATION, ROBOTS, load
 from tests.plant.urdf_texts import LIMIT, joint, links, write
@@ -15,7 +17,14 @@ def test_arph_has_the_six_joints_of_the_manus_on_its_platform() -> None:
     robot = load("arph")
     names = [joint.name for joint in robot.joints]
     assert names == ["column_yaw", "shoulder", "elbow", "forearm_roll", "wrist", "hand_roll"]
-    assert robot.drive == Drive(0.55, 0.10, 0.3, 0.8, 0.5, 2.0)
+    assert robot.drive == Drive(
+        max_linear=0.3,
+        max_angular=0.8,
+        max_linear_acceleration=0.5,
+        max_angular_acceleration=2.0,
+        track=0.55,
+        wheel_radius=0.10,
+    )
 
 
 def test_arph_turns_at_50_degrees_a_second_in_its_documented_ranges() -> None:
@@ -53,7 +62,12 @@ def test_a_shape_off_the_arm_keeps_its_place_on_the_base() -> None:
 
 
 def test_the_robots_lie_beside_the_code_that_reads_them() -> None:
-    assert sorted(path.name for path in ROBOTS.iterdir()) == ["arph.urdf", "planar5.urdf"]
+    assert sorted(path.name for path in ROBOTS.iterdir()) == [
+        "arph.urdf",
+        "planar5.urdf",
+        "seven.urdf",
+        "telescope.urdf",
+    ]
 
 
 def test_a_robot_of_ones_own_is_read_by_its_path(tmp_path: Path) -> None:
@@ -103,7 +117,7 @@ def test_a_tip_that_is_named_is_taken(tmp_path: Path) -> None:
 
 def test_what_the_file_holds_besides_is_ignored(tmp_path: Path) -> None:
     extra = "<gazebo><plugin name='p'/></gazebo><transmission name='t'/>"
-    mesh = "<link name='b'><inertial/><visual><geometry><mesh filename='x'/></geometry></visual>"
+    mesh = "<link name='b'><inertial/><visual><geometry><blob/></geometry></visual>"
     path = write(tmp_path, extra + "<link name='a'/>" + mesh + "</link>" + joint("j", "a", "b"))
     assert load(path).visuals == ()
 
@@ -127,7 +141,14 @@ DRIVE = (
 
 def test_a_drive_has_its_track_and_radius_from_its_wheels(tmp_path: Path) -> None:
     robot = load(write(tmp_path, WHEELS + DRIVE))
-    assert robot.drive == Drive(0.4, 0.1, 1.0, 2.0, 3.0, 4.0)
+    assert robot.drive == Drive(
+        max_linear=1.0,
+        max_angular=2.0,
+        max_linear_acceleration=3.0,
+        max_angular_acceleration=4.0,
+        track=0.4,
+        wheel_radius=0.1,
+    )
     assert [joint.name for joint in robot.joints] == ["j"]
 
 
@@ -160,3 +181,80 @@ def test_a_drive_that_makes_no_sense_is_refused(
         load(path)
     assert str(error.value).startswith(f"{path}:")
     assert message in str(error.value)
+
+
+def test_a_lift_and_a_telescope_slide_between_their_limits() -> None:
+    robot = load("telescope")
+    assert [joint.kind for joint in robot.joints] == ["prismatic"] * 2 + ["revolute"] * 3
+    assert [joint.unit for joint in robot.joints[1:3]] == ["m", "rad"]
+    np.testing.assert_allclose(robot.upper[:2], [0.9, 0.5])
+    np.testing.assert_allclose(robot.max_speed[:2], [0.15, 0.25])
+
+
+def test_fingers_are_not_part_of_the_arm() -> None:
+    held = load("telescope").held
+    assert [(each.name, each.mimics) for each in held] == [
+        ("left_finger", ""),
+        ("right_finger", "left_finger"),
+    ]
+
+
+def test_a_locked_joint_is_held_where_it_is_and_is_not_part_of_the_arm() -> None:
+    free, locked = load("telescope"), load("telescope", locked={"lift": 0.3, "wrist_yaw": 0.4})
+    assert [joint.name for joint in locked.joints] == ["extension", "wrist_pitch", "wrist_roll"]
+    assert {each.name: each.position for each in locked.held}["lift"] == 0.3
+    q = np.array([0.3, 0.2, 0.4, 0.5, 0.6])
+    whole, part = Kinematics(free), Kinematics(locked)
+    np.testing.assert_allclose(part.forward(q[[1, 3, 4]]).tip, whole.forward(q).tip, atol=1e-12)
+    shapes = zip(free.visuals, locked.visuals, strict=True)
+    frames, fewer = whole.frames(q), part.frames(q[[1, 3, 4]])
+    for shape, same in shapes:
+        there, here = frames[shape.frame] @ shape.pose, fewer[same.frame] @ same.pose
+        np.testing.assert_allclose(here, there, atol=1e-12)
+
+
+def test_fingers_follow_a_locked_one(tmp_path: Path) -> None:
+    robot = load("telescope", locked={"left_finger": 0.02})
+    assert [each.position for each in robot.held] == [0.02, 0.02]
+    apart = {shape.link: shape.pose[1, 3] for shape in robot.visuals}
+    assert (apart["left_finger_link"], apart["right_finger_link"]) == pytest.approx((0.02, -0.02))
+
+
+@pytest.mark.parametrize(
+    ("locked", "message"),
+    [
+        ({"left": 0.1}, "there is no joint 'left' to be locked; valid are left_wheel_joint, "),
+        ({"grip_joint": 0.1}, "there is no joint 'grip_joint' to be locked"),
+        ({"lift": 1.0}, "joint 'lift' cannot be locked at 1000mm; valid are 0mm to 900mm"),
+    ],
+)
+def test_a_lock_that_cannot_be_is_refused(locked: dict[str, float], message: str) -> None:
+    with pytest.raises(RobotError, match=re.escape(message)):
+        load("telescope", locked=locked)
+
+
+def test_a_base_can_be_fixed_or_driven_otherwise_than_the_file_says() -> None:
+    assert load("telescope", base="fixed").drive is None
+    drive = Drive(
+        kind="holonomic",
+        max_linear=0.5,
+        max_angular=1.0,
+        max_linear_acceleration=1.0,
+        max_angular_acceleration=2.0,
+    )
+    assert load("telescope", base=drive).drive is drive
+    assert drive.max_velocity == (0.5, 1.0, 0.5)
+
+
+def test_masses_and_meshes_are_kept(tmp_path: Path) -> None:
+    mass = "<origin xyz='0 0 1'/><mass value='2'/><inertia ixx='1' ixy='3'/>"
+    mesh = "<geometry><mesh filename='package://x/b.stl' scale='1 2 3'/></geometry>"
+    body = f"<visual>{mesh}</visual><collision>{mesh}</collision><inertial>{mass}</inertial>"
+    content = links("a") + f"<link name='b'>{body}</link>" + joint("j", "a", "b")
+    robot = load(write(tmp_path, content))
+    (shape,), (solid,), (inertial,) = robot.visuals, robot.collisions, robot.inertials
+    assert (shape.kind, shape.size, shape.file) == ("mesh", (1, 2, 3), "package://x/b.stl")
+    assert (solid.link, solid.frame) == ("b", 1)
+    assert (inertial.mass, inertial.frame) == (2.0, 1)
+    np.testing.assert_allclose(inertial.tensor, [[1, 3, 0], [3, 0, 0], [0, 0, 0]])
+    np.testing.assert_allclose(inertial.pose[:3, 3], [0, 0, 1])

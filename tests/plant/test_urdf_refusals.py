@@ -13,8 +13,8 @@ AB = links("a", "b")
 WRONG = {
     "bad xml": (2, "<joint", "this is not well-formed XML"),
     "no link": (1, "", "robot 'bot': there is no <link>"),
-    "no joint": (1, links("a"), "no turning joint leads to link 'a'"),
-    "only fixed joints": (1, AB + joint("j", "a", "b", "", "fixed"), "no turning joint"),
+    "no joint": (1, links("a"), "no moving joint leads to link 'a'"),
+    "only fixed joints": (1, AB + joint("j", "a", "b", "", "fixed"), "no moving joint"),
     "no limit": (3, AB + joint("j", "a", "b", ""), "joint 'j': <limit> is missing"),
     "no velocity": (
         3,
@@ -73,15 +73,15 @@ WRONG = {
         AB + joint("j", "a", "b", kind="spring"),
         "joint 'j': there is no type 'spring'; valid are revolute, continuous,",
     ),
-    "sliding joint": (
+    "floating joint": (
         3,
-        AB + joint("j", "a", "b", kind="prismatic"),
-        "joint 'j': a prismatic joint cannot be part of the arm",
+        AB + joint("j", "a", "b", kind="floating"),
+        "joint 'j': a floating joint cannot be part of the arm",
     ),
-    "joint that follows another": (
+    "no room to slide": (
         3,
-        AB + joint("j", "a", "b", LIMIT + "<mimic joint='k'/>"),
-        "joint 'j': a joint of the arm moves by itself; it cannot <mimic>",
+        AB + joint("j", "a", "b", "<limit lower='1' upper='1' velocity='2'/>", "prismatic"),
+        "leaves no room to move; lower must be below upper, both in metres",
     ),
     "two parents": (
         4,
@@ -147,7 +147,8 @@ def test_a_tip_that_there_is_not_is_refused_with_those_that_there_are(tmp_path: 
 
 
 def test_a_name_that_there_is_not_is_refused_with_those_that_there_are() -> None:
-    with pytest.raises(RobotError, match="no robot 'r2d2'; give one of arph, planar5, or the path"):
+    known = "arph, planar5, seven, telescope"
+    with pytest.raises(RobotError, match=f"no robot 'r2d2'; give one of {known}, or the path"):
         load("r2d2")
 
 
@@ -179,3 +180,17 @@ def test_what_is_no_urdf_at_all_is_refused(tmp_path: Path, content: bytes, messa
 def test_a_robot_error_is_an_msma_error_and_a_value_error() -> None:
     assert issubclass(RobotError, MsmaError)
     assert issubclass(RobotError, ValueError)
+
+
+def test_a_joint_of_the_arm_follows_no_other(tmp_path: Path) -> None:
+    joints = joint("j", "a", "b") + joint("k", "b", "c", LIMIT + "<mimic joint='j'/>")
+    path = write(tmp_path, links("a", "b", "c") + joints)
+    with pytest.raises(RobotError, match="joint 'k': a joint of the arm moves by itself"):
+        load(path, tip="c")
+
+
+def test_joints_that_follow_each_other_in_a_circle_are_refused(tmp_path: Path) -> None:
+    circle = joint("j", "a", "b", "<mimic joint='k'/>") + joint("k", "b", "c", "<mimic joint='j'/>")
+    path = write(tmp_path, links("a", "b", "c", "d") + circle + joint("l", "c", "d"))
+    with pytest.raises(RobotError, match="joint 'j': <mimic> leads back to joint 'j'"):
+        load(path)
