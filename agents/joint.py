@@ -105,10 +105,10 @@ class HoldAgent(Agent):
         self,
         body: Body,
         *,
-        angle: Annotated[float, "rad"] | None = None,
+        angle: Annotated[float, "rad or m"] | None = None,
         rate: Annotated[float, "Hz"] = 2.0,
     ) -> None:
-        """Keep `angle` [rad], or else the first that its encoder shows.
+        """Keep `angle` [rad or m], or else the first that its encoder shows.
 
         rate: share of a deviation that is made good in a second [1/s]; at most one a period.
         Raises `AgentError` when it is not positive.

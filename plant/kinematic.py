@@ -32,7 +32,7 @@ class KinematicPlant(Plant):
         """
         super().__init__(setup)
         self._state = _read_only(_start(setup))
-        self._commands = Commands(np.zeros(setup.robot.n), np.zeros(_width(setup.robot)))
+        self._commands = Commands(np.zeros(setup.robot.n), np.zeros(setup.robot.base_speeds))
         self._kinematics = kinematics_of(setup.robot)
         self._drives = setup.robot.drive is not None
         self._at_origin = not self._drives and not self._state.base.any()  # for ever
@@ -133,13 +133,8 @@ def _start(setup: Setup) -> State:
         _by_column(np.broadcast_to(q, (*batch, robot.n))),
         _by_column(np.zeros((*batch, robot.n))),
         _by_column(np.broadcast_to(base, (*batch, 3))),
-        _by_column(np.zeros((*batch, _width(robot)))),
+        _by_column(np.zeros((*batch, robot.base_speeds))),
     )
-
-
-def _width(robot: Robot) -> int:
-    """Return how many velocities its base has; two, which stay 0, if it is fixed."""
-    return 2 if robot.drive is None else len(robot.drive.max_velocity)
 
 
 def _by_column(values: Array) -> Array:

@@ -218,6 +218,11 @@ class Robot:
         """How many joints the arm has."""
         return len(self.joints)
 
+    @property
+    def base_speeds(self) -> int:
+        """How many speeds its base has: 3 if holonomic, else 2, which stay 0 if it is fixed."""
+        return 2 if self.drive is None else len(self.drive.max_velocity)
+
     @cached_property
     def lower(self) -> Array:
         """(n,) smallest positions [rad or m]."""

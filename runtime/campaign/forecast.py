@@ -19,6 +19,7 @@ from agents.paths import Path
 from plant.faults import Fault
 from plant.kinematic import KinematicPlant
 from plant.plant import Commands, Setup
+from plant.robot import Robot
 from runtime.chaos.schedule import Due, Schedule
 from runtime.config.deployment import Deployment
 from runtime.config.specs import parts_of
@@ -26,7 +27,7 @@ from runtime.results.reach import smallest_distance
 from runtime.wire.topics import GOAL_SOURCE, PLATFORM_AGENT
 
 _COARSEST = 0.02  # [s] shortest period that is simulated
-_STILL = 0.001  # [rad] a joint that turned less did not move
+_STILL = 0.001  # [rad or m] a joint that went less did not move
 _STARTING = 0.7  # [s] that a process takes to start
 
 
@@ -80,7 +81,7 @@ def forecast(deployment: Deployment, path: Path, duration: float) -> Forecast:
                 faults[fault.target] = fault.kind
         if processes.is_up(GOAL_SOURCE):
             goal = path.piece(truth.t)
-        plant.write(processes.decide(Percepts.of(plant.read(), goal), robot.n))
+        plant.write(processes.decide(Percepts.of(plant.read(), goal), robot))
         plant.step()
         truth = plant.truth()
         moved = np.maximum(moved, np.abs(np.subtract(truth.q, start.joints)))
@@ -132,9 +133,9 @@ class _AgentTeam:
         elif (role := event.kill or event.stop) is not None:
             self._living[role] = max(self._living[role] - 1, 0)
 
-    def decide(self, percepts: Percepts, joints: int) -> Commands:
+    def decide(self, percepts: Percepts, robot: Robot) -> Commands:
         """Return the commands of the agents that are up; other joints rest."""
-        velocities, base = np.zeros(joints), np.zeros(2)
+        velocities, base = np.zeros(robot.n), np.zeros(robot.base_speeds)
         for spec in self._deployment.agents:
             if not self.is_up(spec.role):
                 continue

@@ -76,7 +76,8 @@ class Quantity(Number):
         return value
 
     def write(self, value: Any) -> float | str:
-        return float(value) if self.unit == "1" else f"{float(value)!r} {self.unit}"
+        plain = self.unit in ("1", "rad or m")
+        return float(value) if plain else f"{float(value)!r} {self.unit}"
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,5 @@
 """The parts of a deployment, and the checks of each."""
 
-import math
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -13,6 +12,7 @@ from agents.paths import Path
 from plant import urdf
 from plant.plant import Plant, Setup
 from plant.robot import Robot
+from plant.units import written
 from runtime.config.classes import ClassName, ClassOf
 from runtime.config.hosts import Home, Homes
 from runtime.config.kinds import Quantity, Scope, Text, Whole
@@ -30,6 +30,8 @@ _TAKEN = ("plant", "goal", "joint", "platform", "launcher", "watcher", "successo
 _PLANT = ClassOf("plant.kinematic:KinematicPlant", Plant, PLANT)
 Metres = Annotated[float, "m"]
 Radians = Annotated[float, "rad"]
+Position = Annotated[float, Quantity("30 deg", "rad or m")]
+"""Of a joint; which of the two follows from its kind."""
 
 
 @dataclass(frozen=True)
@@ -89,11 +91,11 @@ class Start:
     """The initial state of the robot.
 
     Attributes:
-        joints: Angle of each joint [rad]; by default 0, clipped to the limits.
+        joints: Position of each joint [rad or m]; by default 0, clipped to the limits.
         platform: Pose of the platform in the world: x [m], y [m], heading [rad]; None without one.
     """
 
-    joints: Annotated[tuple[Radians, ...], Derived(_home)]
+    joints: Annotated[tuple[Position, ...], Derived(_home)]
     platform: Annotated[tuple[Metres, Metres, Radians] | None, Derived(_origin)]
 
     @property
@@ -106,14 +108,16 @@ class Start:
         robot: Robot = scope["description"].robot
         if len(self.joints) != robot.n:
             names = ", ".join(joint.name for joint in robot.joints)
-            what = f"expected {robot.n} angles, got {len(self.joints)}: {names}"
+            what = f"expected {robot.n} positions, got {len(self.joints)}: {names}"
             raise node.find("joints").error(what)
-        for index, (angle, joint) in enumerate(zip(self.joints, robot.joints, strict=True)):
-            if not joint.lower <= angle <= joint.upper:
-                written = node.find("joints", index)
-                lower, upper = (f"{math.degrees(x):.5g} deg" for x in (joint.lower, joint.upper))
-                what = f"{written.text} is outside the limits of {joint.name}"
-                raise written.error(f"{what}, {lower} to {upper}")
+        for index, (position, joint) in enumerate(zip(self.joints, robot.joints, strict=True)):
+            here = node.find("joints", index)
+            if "joints" in node.children:
+                Quantity("0", joint.unit).read(here, scope)  # refuses a length for an angle
+            if not joint.lower <= position <= joint.upper:
+                lower, upper = (written(x, joint.unit) for x in (joint.lower, joint.upper))
+                what = f"{here.text} is outside the limits of {joint.name}"
+                raise here.error(f"{what}, {lower} to {upper}")
         if self.platform is not None and robot.drive is None:
             raise node.find("platform").error(f"{robot.name} has no platform; remove this key")
 

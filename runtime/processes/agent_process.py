@@ -56,11 +56,11 @@ class AgentNode(Node):
         self.state = "waits for the plant"
         self._process, self._agent = process, agent
         joint = deployment.agent(process.role).joint
-        self._shape: tuple[int, ...] = (2,) if joint is None else ()
         self._command: Callable[..., JointCommand | PlatformCommand]
         self._command = PlatformCommand if joint is None else JointCommand
         fresh = freshness(deployment.period, deployment.speed)
         sees, robot = agent.sees, deployment.description.robot
+        self._shape = (robot.base_speeds,) if joint is None else ()
         perceived = _topics_of(sees, deployment)
         own = [topic for topic in perceived if topic not in topics.TOPICS]
         self._senses = Perception(robot, fresh, process.refusals, own)

@@ -62,9 +62,8 @@ class CommandArbiter:
             self._motors[key] = _Motor(f"joint/{number}", commands, (joint.max_speed,))
         if robot.drive is not None:
             key = topics.PLATFORM_COMMAND
-            limits = (robot.drive.max_linear, robot.drive.max_angular)
             both = TopicInput(key, PlatformCommand, fresh, refusals, standbys=True)
-            self._motors[key] = _Motor(topics.PLATFORM_AGENT, both, limits)
+            self._motors[key] = _Motor(topics.PLATFORM_AGENT, both, robot.drive.max_velocity)
 
     def take(self, arrival: Sample, t: float) -> tuple[str, float] | None:
         """Take what arrived at plant time `t` [s].
@@ -79,7 +78,7 @@ class CommandArbiter:
         command = motor.input.accept(arrival.data, t)
         if command is None:
             return None
-        for speed, limit in zip(_speeds(command), motor.limits, strict=True):
+        for speed, limit in zip(_speeds(command), motor.limits, strict=False):
             if abs(speed) > limit * _ROUNDING:
                 detail = f"{speed:g}, clamped to {limit:g}"
                 self._refusals.count(arrival.key, Reason.OVER_LIMIT, detail)
@@ -104,7 +103,7 @@ class CommandArbiter:
                 speeds.extend(0.0 for _ in motor.limits)
                 ages.append(None)
             else:
-                for speed, limit in zip(_speeds(source.message), motor.limits, strict=True):
+                for speed, limit in zip(_speeds(source.message), motor.limits, strict=False):
                     speeds.append(min(max(speed, -limit), limit))
                 ages.append(age)
         joints, base = tuple(speeds[: self._n]), tuple(speeds[self._n :])
@@ -112,6 +111,7 @@ class CommandArbiter:
 
 
 def _speeds(command: Command) -> tuple[float, ...]:
+    """Return the speeds of a command; the last of a platform's is for a holonomic base only."""
     if isinstance(command, JointCommand):
         return (command.velocity,)
-    return command.linear, command.angular
+    return command.linear, command.angular, command.lateral

@@ -98,10 +98,11 @@ class MotionLog:
         def many(count: int) -> str:
             return f"[{', '.join(['%.9g'] * count)}]"
 
+        self._unknown = (math.nan,) * robot.base_speeds
         self._line = (
             '{"wall": %.6f, "t": %.9g, "event": "tick", '
             f'"hand": {many(3)}, "q": {many(robot.n)}, "qd": {many(robot.n)}, '
-            f'"base": {many(3)}, "base_velocity": {many(2)}, "age": [%s]}}'
+            f'"base": {many(3)}, "base_velocity": {many(robot.base_speeds)}, "age": [%s]}}'
         )
 
     def of_truth(self, truth: Truth, ages: Sequence[float | None]) -> str:
@@ -120,7 +121,7 @@ class MotionLog:
     def of_readings(self, readings: Readings, ages: Sequence[float | None]) -> str:
         """Return the same line of what the sensors measured, with null for what they did not."""
         t, q, qd, position, _, base, _ = readings
-        base, velocity = (0.0,) * 3 if base is None else numbers(base), (math.nan,) * 2
+        base, velocity = (0.0,) * 3 if base is None else numbers(base), self._unknown
         hand = (math.nan,) * 3 if position is None else numbers(position)
         measured = Truth(t, numbers(q), numbers(qd), base, velocity, hand, rotation=())
         return self.of_truth(measured, ages).replace("nan", "null")

@@ -66,8 +66,8 @@ class JointMotion:
     """How one joint moved.
 
     Attributes:
-        final: Angle at the end [rad].
-        straightest: Smallest absolute angle [rad].
+        final: Position at the end [rad or m].
+        straightest: Smallest absolute position [rad or m].
     """
 
     name: str

@@ -29,8 +29,8 @@ def smallest_distance(
         robot: The robot.
         goal: Position of the goal in the world [m], (3,).
         base: x, y [m] and heading [rad] of the platform in the world, (3,).
-        q: Joint angles [rad], (n,).
-        stuck: Indices (from 0) of the joints that stay at their angle in `q`.
+        q: Joint positions [rad or m], (n,).
+        stuck: Indices (from 0) of the joints that stay where they are in `q`.
         roams: Whether the platform may go anywhere; otherwise it stays at `base`.
 
     Returns:
@@ -48,8 +48,11 @@ def smallest_distance(
         for joint in set(range(robot.n)) - set(stuck):
             pose = kinematics.forward(postures, base)
             axis, point = pose.axes[:, joint], pose.points[:, joint]
-            turn = _turn(axis, pose.tip - point, goal - point)
-            moved = postures[:, joint] + turn
+            if robot.joints[joint].slides:
+                step: Array = np.sum(axis * (goal - pose.tip), axis=-1)
+            else:
+                step = _turn(axis, pose.tip - point, goal - point)
+            moved = postures[:, joint] + step
             postures[:, joint] = np.clip(moved, robot.lower[joint], robot.upper[joint])
     if roams:
         base[:, :2] += (goal - kinematics.forward(postures, base).tip)[:, :2]

@@ -30,9 +30,10 @@ class RunLog:
         t: Plant time [s], (m,).
         wall: Time of day [s], (m,).
         hand: Position of the hand's grip point in the world [m], (m, 3).
-        q: Joint angles [rad], (m, n).
+        q: Joint positions [rad or m], (m, n).
         base: x, y [m] and heading [rad] of the platform in the world, (m, 3).
-        base_velocity: Linear [m/s] and angular [rad/s] velocity of the platform, (m, 2).
+        base_velocity: Linear [m/s] and angular [rad/s] velocity of the platform, (m, 2); of a
+            holonomic one also lateral [m/s], (m, 3).
         age: Age of the command in force when the step to that state began [s], for each joint and
             then the platform, (m, k); NaN where none was in force.
         events: All other lines, as they were written.

@@ -39,6 +39,8 @@ Metres = Annotated[float, number("m")]
 MetresPerSecond = Annotated[float, number("m/s")]
 Radians = Annotated[float, number("rad")]
 RadiansPerSecond = Annotated[float, number("rad/s")]
+JointPosition = Annotated[float, number("rad or m")]
+JointVelocity = Annotated[float, number("rad/s or m/s")]
 Count = Annotated[int, Meta(ge=0, le=2**63 - 1)]
 _three, _four = Meta(min_length=3, max_length=3), Meta(min_length=4, max_length=4)
 Position = Annotated[tuple[Metres, ...], _three]
@@ -91,8 +93,8 @@ class EndEffectorPose(Message, frozen=True, gc=False):
 class JointStates(Message, frozen=True, gc=False):
     """What the encoders say, one number a joint; None where one is lost (`nil` on the wire)."""
 
-    position: Annotated[tuple[Radians | None, ...], _any_length]
-    velocity: Annotated[tuple[RadiansPerSecond | None, ...], _any_length]
+    position: Annotated[tuple[JointPosition | None, ...], _any_length]
+    velocity: Annotated[tuple[JointVelocity | None, ...], _any_length]
 
     def check(self) -> None:
         """Refuse different numbers of joints."""
@@ -104,7 +106,7 @@ class JointStates(Message, frozen=True, gc=False):
 class JointCommand(Message, frozen=True, gc=False):
     """The velocity that a joint agent wants, in answer to the state of plant time `t`."""
 
-    velocity: RadiansPerSecond
+    velocity: JointVelocity
 
 
 class PlatformPose(Message, frozen=True, gc=False):
@@ -115,11 +117,16 @@ class PlatformPose(Message, frozen=True, gc=False):
     heading: Radians
 
 
-class PlatformCommand(Message, frozen=True, gc=False):
-    """The velocity that the platform agent wants, in answer to the state of plant time `t`."""
+class PlatformCommand(Message, frozen=True, gc=False, omit_defaults=True):
+    """The velocity that the platform agent wants, in answer to the state of plant time `t`.
+
+    Attributes:
+        lateral: To the left, of a holonomic base only.
+    """
 
     linear: MetresPerSecond
     angular: RadiansPerSecond
+    lateral: MetresPerSecond = 0.0
 
 
 class GoalMessage(Message, frozen=True, gc=False):

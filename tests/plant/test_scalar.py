@@ -33,7 +33,7 @@ def test_a_robot_moves_as_one_of_a_batch(robot: Robot, period: float, seed: int)
     ends = np.where(rng.random(robot.n) < 0.5, lower, upper)  # where braking begins
     q = np.where(rng.random(robot.n) < 0.3, ends, rng.uniform(lower, upper))
     base = rng.normal(size=3)
-    width = 2 if robot.drive is None else len(robot.drive.max_velocity)
+    width = robot.base_speeds
     one = State(0.0, q, np.zeros(robot.n), base, np.zeros(width))
     many = State(0.0, q[None], np.zeros((1, robot.n)), base[None], np.zeros((1, width)))
     assert (one.is_single, many.is_single) == (True, False)
