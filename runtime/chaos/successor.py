@@ -12,7 +12,6 @@ from signal import SIGKILL
 from runtime.chaos.injector import ANSWER, FaultInjector
 from runtime.chaos.schedule import Schedule
 from runtime.config.deployment import load
-from runtime.processes.lifetime import Lifetime
 from runtime.processes.log_writer import LogWriter
 from runtime.results.logs import read_log
 from runtime.spawning.identity import start_line
@@ -50,14 +49,8 @@ def inherit(run: Path, t: float) -> None:
         for event in begun:
             if event.hang is not None:
                 injector.hung[event] = _hung(run, event.hang)
-        life = Lifetime(
-            watcher.clock,
-            patience=deployment.patience,
-            duration=deployment.duration,
-            speed=deployment.speed,
-        )
         try:
-            while not life.over(time.monotonic()) and not life.timed_out(time.monotonic()):
+            while not watcher.clock.end(deployment, time.monotonic()):
                 for due in schedule.due(watcher.look().t):
                     injector.carry_out(due)
                 time.sleep(_TURN)

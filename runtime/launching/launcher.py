@@ -17,7 +17,7 @@ from runtime.config.chaos import ChaosEvent
 from runtime.config.deployment import Deployment
 from runtime.launching.journal import Journal
 from runtime.launching.presence import Presence
-from runtime.processes.lifetime import Lifetime, Shutdown
+from runtime.processes.lifetime import Shutdown
 from runtime.results.outcome import RunOutcome
 from runtime.spawning.local import LocalProcesses, ProcessGroup, end_all
 from runtime.spawning.registry import RegisteredRun, begin_run, forget, register
@@ -153,10 +153,6 @@ class Launcher:
 
     def _loop(self, *reactions: Callable[[View], None]) -> None:
         """React to what is seen until the run is over, nothing is left, or it is interrupted."""
-        of = self._deployment
-        life = Lifetime(
-            self._watcher.clock, patience=of.patience, duration=of.duration, speed=of.speed
-        )
         while self._processes and not self._shutdown.wait(_TURN):
             self._view = self._watcher.look()
             self._journal.t = self._view.t
@@ -165,8 +161,7 @@ class Launcher:
                 self._presence.ended(one)
             for react in reactions:
                 react(self._view)
-            now = time.monotonic()
-            if life.over(now) or life.timed_out(now):
+            if self._watcher.clock.end(self._deployment, time.monotonic()):
                 return
 
     def _finish(self) -> None:

@@ -18,10 +18,11 @@ from plant.robot import Robot
 from runtime import VERSION
 from runtime.config.deployment import Deployment, ProcessSpec
 from runtime.config.tree import ConfigError
-from runtime.processes.lifetime import FAILED, BusClock, Lifetime, PlantClock, Shutdown
+from runtime.processes.lifetime import FAILED, Shutdown
 from runtime.processes.log_writer import LogWriter
 from runtime.processes.meters import Rate
 from runtime.processes.node import Context, Node
+from runtime.processes.plant_clock import BusClock, PlantClock
 from runtime.processes.scheduling import Overload, confine_realtime, set_normal, set_realtime
 from runtime.spawning.identity import start_line
 from runtime.wire import topics
@@ -135,9 +136,6 @@ class Process(Context):
         if self._realtime:
             set_realtime()
             confine_realtime()
-        of, life = self.deployment, None
-        if self.role != topics.PLANT:  # which waits for none
-            life = Lifetime(self.clock, patience=of.patience, duration=of.duration, speed=of.speed)
         looks = 0
         pause = random.uniform(0.0, _CHECK)  # or all that began together would do this at once
         while not self.ending.wait(pause):
@@ -146,10 +144,8 @@ class Process(Context):
             now = time.monotonic()
             if isinstance(self.clock, BusClock):
                 self.t = self.clock.look(now)
-            if life and life.over(now):
-                self.ending.ask("the run is over")
-            elif life and (reason := life.timed_out(now)):
-                self.ending.ask(reason, FAILED)
+            if self.role != topics.PLANT and (end := self.clock.end(self.deployment, now)):
+                self.ending.ask(*end)
             if self._strangers:
                 self._strangers.look()
             if looks % _REPORT == 0:

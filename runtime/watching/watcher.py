@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 from typing import NamedTuple
 
-from runtime.processes.lifetime import BusClock
+from runtime.processes.plant_clock import BusClock
 from runtime.watching.roster import Roster, Row
 from runtime.wire import topics
 from runtime.wire.arbitration import GoalInput, TopicInput

@@ -2,53 +2,60 @@
 
 import threading
 import time
+from dataclasses import replace
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from runtime.processes.lifetime import BusClock, Lifetime, PlantClock, Shutdown
+from runtime.config.deployment import Deployment, load
+from runtime.processes.lifetime import FAILED, OK, Shutdown
+from runtime.processes.plant_clock import BusClock, PlantClock
 from runtime.wire import topics
 from runtime.wire.bus import Bus
 from runtime.wire.messages import JointStates
-from tests.runtime.conftest import ProcessGroup, wait_for
+from tests.runtime.conftest import ROOT, ProcessGroup, wait_for
 
 PATIENCE, DURATION = 10.0, 24.0  # [s]
 HUGE = 5e8  # [s]
 
 
-def life(duration: float | None = DURATION, speed: float = 1.0) -> Lifetime:
-    return Lifetime(PlantClock(100.0), patience=PATIENCE, duration=duration, speed=speed)
+OVER = ("the run is over", OK)
+
+
+def run_of(duration: float | None = DURATION, speed: float = 1.0) -> Deployment:
+    deployment = load(ROOT / "deploy" / "arph.yaml")
+    return replace(deployment, patience=PATIENCE, duration=duration, speed=speed)
 
 
 def test_without_a_plant_patience_ends() -> None:
-    waiting = life()
-    assert waiting.timed_out(110.0) is None
-    assert waiting.timed_out(110.1) == "no message of any plant for 10 s"
+    clock = PlantClock(100.0)
+    assert clock.end(run_of(), 110.0) is None
+    assert clock.end(run_of(), 110.1) == ("no message of any plant for 10 s", FAILED)
 
 
 def test_each_message_of_the_plant_renews_patience() -> None:
-    waiting = life()
-    waiting.clock.seen(0.0, 109.0)
-    assert waiting.timed_out(118.9) is None
-    assert waiting.timed_out(119.1) == "no message of the plant for 10 s"
+    clock = PlantClock(100.0)
+    clock.seen(0.0, 109.0)
+    assert clock.end(run_of(), 118.9) is None
+    assert clock.end(run_of(), 119.1) == ("no message of the plant for 10 s", FAILED)
 
 
 def test_the_run_is_over_when_two_messages_say_so() -> None:
-    run = life()
-    run.clock.seen(23.9, 124.0)
-    run.clock.seen(24.0, 124.1)
-    assert not run.over(124.1)
-    run.clock.seen(24.0, 124.2)
-    assert run.over(124.2)
+    run, clock = run_of(), PlantClock(100.0)
+    clock.seen(23.9, 124.0)
+    clock.seen(24.0, 124.1)
+    assert clock.end(run, 124.1) is None
+    clock.seen(24.0, 124.2)
+    assert clock.end(run, 124.2) == OVER
 
 
 def test_one_message_with_a_wrong_time_ends_nothing_however_often_it_is_looked_at() -> None:
-    run = life()
-    run.clock.seen(3.0, 103.0)
-    run.clock.seen(HUGE, 103.1)
+    run, clock = run_of(), PlantClock(100.0)
+    clock.seen(3.0, 103.0)
+    clock.seen(HUGE, 103.1)
     for later in range(20):
-        assert not run.over(103.1 + later / 10)
+        assert clock.end(run, 103.1 + later / 10) is None
 
 
 @given(st.lists(st.booleans(), max_size=50))
@@ -66,32 +73,32 @@ def test_no_wrong_times_with_a_right_one_after_each_move_the_clock(wrong: list[b
 def test_when_the_plant_dies_the_run_is_over_2_s_after_it_would_have_been(
     speed: float, end: float
 ) -> None:
-    run = life(speed=speed)
+    run, clock = run_of(speed=speed), PlantClock(100.0)
     for _ in range(2):
-        run.clock.seen(21.0, 104.0)
-    assert not run.over(end + 1.9)
-    assert run.over(end + 2.1)
+        clock.seen(21.0, 104.0)
+    assert clock.end(run, end + 1.9) is None
+    assert clock.end(run, end + 2.1) == OVER
 
 
 def test_a_plant_that_waits_for_the_first_command_is_not_over() -> None:
-    run = life(duration=1.0)
+    run, clock = run_of(duration=1.0), PlantClock(100.0)
     for tenth in range(200):
-        run.clock.seen(0.0, 100.0 + tenth / 10)
-        assert not run.over(100.0 + tenth / 10)
+        clock.seen(0.0, 100.0 + tenth / 10)
+        assert clock.end(run, 100.0 + tenth / 10) is None
 
 
 def test_a_run_without_an_end_is_never_over() -> None:
-    run = life(duration=None)
+    run, clock = run_of(duration=None), PlantClock(100.0)
     for _ in range(2):
-        run.clock.seen(1e6, 101.0)
-    assert not run.over(102.0)
+        clock.seen(1e6, 101.0)
+    assert clock.end(run, 102.0) is None
 
 
 def test_a_plant_that_starts_again_starts_the_run_again() -> None:
-    run = life()
-    run.clock.seen(23.0, 123.0)
-    run.clock.seen(0.0, 124.0)
-    assert not run.over(127.0)
+    run, clock = run_of(), PlantClock(100.0)
+    clock.seen(23.0, 123.0)
+    clock.seen(0.0, 124.0)
+    assert clock.end(run, 127.0) is None
 
 
 def test_the_end_wakes_all_threads_that_wait_for_it() -> None:
