@@ -13,10 +13,9 @@ from runtime.config.chaos import LAUNCHER, WATCHER, ChaosEvent
 from runtime.config.deployment import Deployment
 from runtime.config.tree import ConfigError
 from runtime.errors import RunError
-from runtime.processes.log_writer import LogWriter
+from runtime.launching.journal import Journal
 from runtime.watching.control import Control
 from runtime.watching.local import watchers
-from runtime.watching.watcher import Watcher
 
 ANSWER = 0.5
 """How long a request of chaos waits for its answer [s]: other events may be due."""
@@ -45,10 +44,7 @@ class FaultInjector:
     Args:
         deployment: What runs.
         control: Acts on the processes and the plant.
-        watcher: Knows the plant time for the log.
-        log: Gets a line for each event.
-        show: Shows people a text; what happened is logged elsewhere too.
-        happened: Shows people a text, and logs it.
+        journal: Notes what is done, and what came of it.
         start_successor: Called with plant time [s] before the launcher, if this is it, kills
             itself.
         network: Carries out events between hosts.
@@ -61,55 +57,48 @@ class FaultInjector:
         self,
         deployment: Deployment,
         control: Control,
-        watcher: Watcher,
-        log: LogWriter,
-        *,
-        show: Callable[[str], None],
-        happened: Callable[[str], None],
+        journal: Journal,
         start_successor: Callable[[float], None] | None = None,
         network: Network | None = None,
     ) -> None:
-        self._deployment = deployment
-        self._control, self._watcher, self._network = control, watcher, network
-        self._start_successor = start_successor
-        self._log, self._show, self._happened = log, show, happened
+        self._deployment, self._control, self._network = deployment, control, network
+        self._journal, self._start_successor = journal, start_successor
         self.hung: dict[ChaosEvent, list[int]] = {}
 
     def carry_out(self, due: Due) -> None:
         """Let an event begin, or end, and say what came of it."""
-        event = due.event
-        if event.hosts:
-            self._to_network(event, due.over)
-        elif due.over:
-            self._resume(event)
-        elif event.kill is not None:
-            if event.kill == LAUNCHER and self._start_successor is not None:
-                self._start_successor(due.at)
-            self._kill(event.kill)
-        elif event.hang is not None:
-            self._hang(event, event.hang)
-        elif event.stop is not None:
-            self._stop(event.stop)
-        elif event.revive is not None:
-            self._revive(event.revive)
-        elif event.fault is not None:
-            self._break(event.fault)
+        event, target = due.event, due.event.target
+        match event.action:
+            case "kill":
+                self._kill(target, due.at)
+            case "hang" if due.over:
+                self._resume(event)
+            case "hang":
+                self._hang(event)
+            case "stop":
+                agrees = self._control.stop(target)
+                what = "is asked to stop" if agrees else "does not answer to a stop"
+                self._journal.happened(f"{target} {what}")
+            case "revive":
+                self._revive(target)
+            case "fault":
+                self._break(target)
+            case _:
+                self._to_network(event, due.over)
 
-    def _kill(self, role: str) -> None:
-        pids = self._pids(role)
-        if not pids:
-            self._happened(f"{role} is not there to be killed")
-            return
-        self._note("kill", role, pids=pids)
-        self._send(role, pids, signal.SIGKILL)
+    def _kill(self, role: str, at: float) -> None:
+        if role == LAUNCHER and self._start_successor is not None:
+            self._start_successor(at)
+        if pids := self._pids(role, "killed"):
+            self._note("kill", role, pids=pids)
+            self._send(role, pids, signal.SIGKILL)
 
-    def _hang(self, event: ChaosEvent, role: str) -> None:
-        pids = self._pids(role)
-        if not pids:
-            self._happened(f"{role} is not there to be hung")
+    def _hang(self, event: ChaosEvent) -> None:
+        role = event.target
+        if not (pids := self._pids(role, "hung")):
             return
         lasting = "" if event.for_ is None else f" for {event.for_:g} s"
-        self._happened(f"{role} hangs{lasting}")
+        self._journal.happened(f"{role} hangs{lasting}")
         self._note("hang", role, pids=pids)
         if role == LAUNCHER and event.for_ is not None:  # which cannot resume itself
             waking = f"sleep {event.for_ / self._deployment.speed:f}; kill -CONT {os.getpid()}"
@@ -118,23 +107,51 @@ class FaultInjector:
             self.hung[event] = pids
         self._send(role, pids, signal.SIGSTOP)
 
+    def _resume(self, event: ChaosEvent) -> None:
+        if pids := self.hung.pop(event, []):
+            self._note("wake", event.target, pids=pids)
+            self._send(event.target, pids, signal.SIGCONT)
+            self._journal.happened(f"{event.target} goes on")
+
     def _revive(self, role: str) -> None:
         called = round(time.time(), 6)  # starting it is a part of what its return takes
         try:
             pid = self._control.revive(role, self._deployment.host_of(role))
         except RunError as error:
-            self._happened(f"{role} cannot be started again: {error}")
+            self._journal.happened(f"{role} cannot be started again: {error}")
         else:
             self._note("revive", role, wall=called, pids=[pid])
-            self._show(f"{role} is started again")
+            self._journal.show(f"{role} is started again")
 
-    def _resume(self, event: ChaosEvent) -> None:
-        pids = self.hung.pop(event, [])
+    def _break(self, fault: str) -> None:
+        try:
+            self._control.fault(fault)
+        except MsmaError as error:
+            self._journal.happened(f"no fault {fault}: {error}")
+        else:
+            self._note("fault", fault)
+            self._journal.show(f"fault {fault}")
+
+    def _to_network(self, event: ChaosEvent, over: bool) -> None:
+        if self._network is None:
+            return  # it was refused before anything was started
+        self._network.impair(event, over=over)
+        self._note(event.action, event.target, over=over)
+        what = {"partition": "cut off", "delay": "slowed down", "loss": "made to lose packets"}
+        verb = f"{'are' if len(event.hosts) > 1 else 'is'}{' no longer' if over else ''}"
+        self._journal.happened(f"{event.target} {verb} {what[event.action]}")
+
+    def _pids(self, role: str, to_be: str) -> list[int]:
+        """Return the process of a role, of copies the one that is obeyed; say so if it is gone."""
+        if role == LAUNCHER:
+            pids = [] if self._start_successor is None else [os.getpid()]
+        elif role == WATCHER:
+            pids = [watcher.pid for watcher in watchers(self._deployment.robot)]
+        else:
+            pids = self._control.processes_of(role)
         if not pids:
-            return
-        self._note("wake", event.target, pids=pids)
-        self._send(event.target, pids, signal.SIGCONT)
-        self._happened(f"{event.target} goes on")
+            self._journal.happened(f"{role} is not there to be {to_be}")
+        return pids
 
     def _send(self, role: str, pids: list[int], number: signal.Signals) -> None:
         """Send a signal; the launcher and the watchers are not among the processes of `Control`."""
@@ -148,36 +165,5 @@ class FaultInjector:
 
     def _note(self, action: str, target: str, **more: object) -> None:
         """Log what is about to be done, at once: this process may be the next one to end."""
-        t = self._watcher.look().t
-        self._log.write(t, "chaos", action=action, target=target, **more)
-        self._log.flush()
-
-    def _pids(self, role: str) -> list[int]:
-        """Return the process of a role, of copies the one that is obeyed; none if it is gone."""
-        if role == LAUNCHER:
-            return [] if self._start_successor is None else [os.getpid()]
-        if role == WATCHER:
-            return [watcher.pid for watcher in watchers(self._deployment.robot)]
-        return self._control.processes_of(role)
-
-    def _stop(self, role: str) -> None:
-        asked = self._control.stop(role)
-        self._happened(f"{role} {'is asked to stop' if asked else 'does not answer to a stop'}")
-
-    def _break(self, fault: str) -> None:
-        try:
-            self._control.fault(fault)
-        except MsmaError as error:
-            self._happened(f"no fault {fault}: {error}")
-        else:
-            self._note("fault", fault)
-            self._show(f"fault {fault}")
-
-    def _to_network(self, event: ChaosEvent, over: bool) -> None:
-        if self._network is None:
-            return  # it was refused before anything was started
-        self._network.impair(event, over=over)
-        self._note(event.action, event.target, over=over)
-        what = {"partition": "cut off", "delay": "slowed down", "loss": "made to lose packets"}
-        verb = "are" if len(event.hosts) > 1 else "is"
-        self._happened(f"{event.target} {verb} {'no longer ' if over else ''}{what[event.action]}")
+        self._journal.write("chaos", action=action, target=target, **more)
+        self._journal.log.flush()

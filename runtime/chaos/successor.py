@@ -12,13 +12,12 @@ from signal import SIGKILL
 from runtime.chaos.injector import ANSWER, FaultInjector
 from runtime.chaos.schedule import Schedule
 from runtime.config.deployment import load
-from runtime.processes.log_writer import LogWriter
+from runtime.launching.journal import Journal
 from runtime.results.logs import read_log
 from runtime.spawning.identity import start_line
 from runtime.spawning.local import LocalProcesses
 from runtime.spawning.tasks import spawn
 from runtime.watching.control import Control
-from runtime.watching.table import say
 from runtime.watching.watcher import Watcher
 from runtime.wire.bus import Bus
 from runtime.wire.security import OPERATOR
@@ -36,28 +35,27 @@ def inherit(run: Path, t: float) -> None:
     """Go on with the chaos of a run after plant time `t` [s], until its end."""
     deployment = load(run / "deployment.yaml", only_role=PLANT)
     schedule = Schedule(deployment.chaos)
-    begun = {due.event for due in schedule.due(t) if not due.over}
-    log = LogWriter(run, "successor")
-    log.write(t, "start", **start_line("successor", deployment.robot, run))
-    log.flush()
+    hung = {due.event for due in schedule.due(t) if due.event.hang}
+    journal = Journal(run, "successor")
+    journal.t = t
+    journal.write("start", **start_line("successor", deployment.robot, run))
+    journal.log.flush()
     processes = LocalProcesses(run)
     place, credentials = deployment.mesh.visitor(), deployment.credentials(OPERATOR)
     with Bus(deployment.robot, "successor", place, secrets.randbits(63), credentials) as bus:
-        watcher = Watcher(bus)
-        control = Control(bus, processes, ANSWER)
-        injector = FaultInjector(deployment, control, watcher, log, show=say, happened=say)
-        for event in begun:
-            if event.hang is not None:
-                injector.hung[event] = _hung(run, event.hang)
+        watcher, control = Watcher(bus), Control(bus, processes, ANSWER)
+        injector = FaultInjector(deployment, control, journal)
+        injector.hung = {event: _hung(run, event.target) for event in hung}
         try:
             while not watcher.clock.end(deployment, time.monotonic()):
-                for due in schedule.due(watcher.look().t):
+                journal.t = watcher.look().t
+                for due in schedule.due(journal.t):
                     injector.carry_out(due)
                 time.sleep(_TURN)
         finally:
             for event, pids in injector.hung.items():
                 control.send(event.target, pids, SIGKILL)  # nothing else would end what hangs
-            log.close()
+            journal.log.close()
 
 
 def _hung(run: Path, role: str) -> list[int]:

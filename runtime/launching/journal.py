@@ -15,14 +15,14 @@ class Journal:
     """Notes what happens in a run.
 
     Attributes:
-        log: The launcher's log.
+        log: The log of who notes it: the launcher, or its successor.
         t: Plant time [s].
         events: What no process logs itself.
         screen: Shows people what happens, once there is one.
     """
 
-    def __init__(self, run: Path) -> None:
-        self.log = LogWriter(run, "launcher")
+    def __init__(self, run: Path, role: str = "launcher") -> None:
+        self.log = LogWriter(run, role)
         self.t = 0.0
         self.events: list[RunEvent] = []
         self.screen: Screen | None = None

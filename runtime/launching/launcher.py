@@ -129,12 +129,9 @@ class Launcher:
         injector = FaultInjector(
             self._deployment,
             self._control,
-            self._watcher,
-            self._journal.log,
-            show=self._journal.show,
-            happened=self._journal.happened,
-            start_successor=lambda t: start_successor(self._run, t),
-            network=self._network,
+            self._journal,
+            lambda t: start_successor(self._run, t),
+            self._network,
         )
 
         def carry_out(view: View) -> None:
