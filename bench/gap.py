@@ -11,7 +11,6 @@ from agents.agent import Array
 from bench.bench import Bench, Check, Result, Table
 from bench.launched import launched
 from bench.msma_runs import ARPH, deployed
-from runtime.results.gaps import arrivals
 from runtime.results.run_log import RunLog, read_run_log
 from runtime.wire.topics import GOAL_SOURCE, PLATFORM_AGENT
 from studies.study import Progress, Row
@@ -81,7 +80,7 @@ class GapBench(Bench):
             found, record, count = _round(fault, period, self._victims)
             gaps_after += found
             done.append((f"round {number + 1}: processes that got {SIGNALS[fault]}", count))
-            times = arrivals(record, period)
+            times = record.arrivals(period)
             quiet = max(quiet, *(longest(each, FIRST - APART, FIRST - 0.2) for each in times))
         return Result(
             checks=tuple(
@@ -132,7 +131,7 @@ def _round(
         record = read_run_log(run.run)
         done = [line for line in run.log(LAUNCHER) if line.get("action") == fault]
     times = dict(zip((*(r for r in roles if r != PLATFORM_AGENT), PLATFORM_AGENT),
-                     arrivals(record, period), strict=True))  # fmt: skip
+                     record.arrivals(period), strict=True))  # fmt: skip
     gaps_after = []
     for victim, t in at.items():
         gaps = {role: longest(each, t, t + OBSERVED) for role, each in times.items()}

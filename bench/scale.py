@@ -16,7 +16,6 @@ from bench.ticks import quantile
 from bench.usage import Meter, Usage
 from runtime.config.deployment import load
 from runtime.results.evaluation import errors
-from runtime.results.gaps import arrivals
 from runtime.results.logs import read_log
 from runtime.results.run_log import read_run_log
 from runtime.wire.topics import PLANT
@@ -137,7 +136,7 @@ def _grow(joints: int, side: str, seconds: float) -> ArmMeasurement:
             record = read_run_log(run.run)
             deployment = load(run.run / "deployment.yaml")
     first, last = record.t_at(begun), record.t_at(ended)
-    commands = arrivals(record, PERIOD)
+    commands = record.arrivals(PERIOD)
     answered = sum(int(((times >= first) & (times < last)).sum()) for times in commands)
     inside = (record.t >= first) & (record.t < last)
     took = np.sort(PERIOD - record.age[inside].ravel())  # the period less the age of the command

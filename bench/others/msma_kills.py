@@ -6,7 +6,6 @@ from bench.launched import Launched, launched
 from bench.msma_runs import ARPH
 from bench.others.kills import PERIOD, KillImpact, impact_of
 from bench.others.systems import VICTIM
-from runtime.results.gaps import arrivals
 from runtime.results.run_log import RunLogError, read_run_log
 
 _AT = (2.0, 4.5, 7.0)  # [s, plant time] of the kills
@@ -36,7 +35,7 @@ def measure_msma_kills() -> list[KillImpact]:
 
 def _impacts(run: Launched) -> list[KillImpact]:
     try:
-        found = arrivals(read_run_log(run.run), PERIOD)
+        found = read_run_log(run.run).arrivals(PERIOD)
     except RunLogError as error:
         raise BenchError(f"a run of MSMA left no usable log: {error}") from error
     executed = {role: times.tolist() for role, times in zip(AGENTS, found, strict=True)}

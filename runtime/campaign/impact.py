@@ -4,18 +4,17 @@ Everything is read from logs after the run, so that a killed launcher does not m
 """
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
+from math import inf
 from pathlib import Path
+from typing import Any, NamedTuple
 
-import numpy as np
-
-from agents.agent import Array
 from runtime.config.chaos import LAUNCHER
 from runtime.config.deployment import Deployment
 from runtime.config.specs import parts_of
 from runtime.results.evaluation import errors
-from runtime.results.gaps import arrivals, first_after
 from runtime.results.logs import read_log
 from runtime.results.run_log import RunLog
 
@@ -74,101 +73,100 @@ class Impact:
     gaps: Mapping[str, float]
 
 
+class _Outage(NamedTuple):
+    """A kill or hang of a process; what never came is at infinity."""
+
+    action: str
+    role: str
+    t: float  # [s, plant time]
+    wall: float  # [s, time of day]
+    standbys: int  # how many other processes had the role
+    restart: float  # or SIGCONT [s, time of day]
+    resumed: float  # the first accepted command after that [s, plant time]
+
+
 def measure_impact(deployment: Deployment, run: Path, log: RunLog) -> Impact:
     """Measure the impact of the faults in a run that has a goal, by the logs in its folder."""
-    logs = _Measurement(deployment, run, log)
-    longest = {
-        role: float((gaps[:, 1] - gaps[:, 0]).max(initial=0.0)) for role, gaps in logs.gaps.items()
+    assert deployment.goal is not None
+    off = errors(log, deployment.goal.build())
+    agents = {agent.role for agent in deployment.agents}
+    parts = zip(
+        parts_of(deployment.description.robot), log.arrivals(deployment.period), strict=True
+    )
+    spans = {  # of time between commands, by role
+        role: list(pairwise(times.tolist()))
+        for role, times in parts
+        if role in agents and len(times) > 1
     }
-    return Impact(tuple(logs.faults()), longest)
-
-
-class _Measurement:
-    """What the logs of a run hold, by role."""
-
-    def __init__(self, deployment: Deployment, run: Path, log: RunLog) -> None:
-        assert deployment.goal is not None
-        self._log = log
-        lines = [*read_log(run, "launcher", "chaos"), *read_log(run, "successor", "chaos")]
-        lines.sort(key=lambda line: float(line["wall"]))
-        self._chaos = [{**line, "t": log.t_at(line["wall"])} for line in lines]
-        blind = min((x["wall"] for x in self._chaos if x["target"] == LAUNCHER), default=np.inf)
-        self._gone = [line for line in read_log(run, "launcher", "gone") if line["wall"] < blind]
-        self._copies = Counter(member.role for member in deployment.processes)
-        self._error = errors(log, deployment.goal.build())
-        roles = parts_of(deployment.description.robot)
-        times = zip(roles, arrivals(log, deployment.period), strict=True)
-        agents = {agent.role for agent in deployment.agents}
-        self._arrivals = {role: seen for role, seen in times if role in agents and len(seen) > 1}
-        self.gaps = {
-            role: _gaps(seen, self._downtimes(role, seen)) for role, seen in self._arrivals.items()
-        }
-
-    def faults(self) -> Iterator[FaultImpact]:
-        for index, line in enumerate(self._chaos):
-            if line["action"] in _ENDS:
-                yield self._impact_of(index)
-
-    def _impact_of(self, index: int) -> FaultImpact:
-        line, log = self._chaos[index], self._log
-        role, t = str(line["target"]), float(line["t"])
-        earlier = [x["action"] for x in self._chaos[:index] if x["target"] == role]
-        later = (x for x in self._chaos[index + 1 :] if x["target"] == role)
-        restart = next((x for x in later if x["action"] in _STARTS), None)
-        near = [(_longest_near(g, t), other) for other, g in self.gaps.items() if other != role]
-        gap, gap_role = max((one for one in near if one[0] is not None), default=(None, ""))
-        until = np.inf if restart is None else restart["wall"] + _LEASE
-        seen = (x["wall"] - x["ago"] for x in self._gone if x["role"] == role and x["wall"] < until)
-        change = sum((action in _STARTS) - (action in _ENDS) for action in earlier)
-        silence = recovery = None
-        if role in self._arrivals:
-            times = self._arrivals[role]
-            before, resumed = times[times <= t + 1e-3], first_after(times, t + 1e-3)
-            if resumed is not None and len(before):
-                silence = resumed - float(before[-1])
-            if restart is not None:
-                resumed = first_after(times, restart["t"])
-                recovery = None if resumed is None else log.wall_at(resumed) - restart["wall"]
-        window = (log.t >= t) & (log.t <= t + ERROR_WINDOW)
-        return FaultImpact(
-            t=t,
-            action=str(line["action"]),
-            role=role,
-            gap=gap,
-            gap_role=gap_role,
-            detected=next((wall - line["wall"] for wall in seen if wall >= line["wall"]), None),
-            error=float(self._error[window].max(initial=0.0)),
-            standbys=max(self._copies.get(role, 1) + change - 1, 0),
-            silence=silence,
-            recovery=recovery,
+    chaos = [*read_log(run, "launcher", "chaos"), *read_log(run, "successor", "chaos")]
+    chaos.sort(key=lambda line: float(line["wall"]))
+    outages = list(_outages(chaos, deployment, log, spans))
+    gaps = {
+        role: [
+            (since, until)
+            for since, until in every
+            if since >= _STARTUP
+            and not any(o.role == role and o.t <= until and since < o.resumed for o in outages)
+        ]
+        for role, every in spans.items()
+    }
+    blind = min((line["wall"] for line in chaos if line["target"] == LAUNCHER), default=inf)
+    gone = [line for line in read_log(run, "launcher", "gone") if line["wall"] < blind]
+    faults = []
+    for one in outages:
+        near = [
+            (until - since, role)
+            for role, alive in gaps.items()
+            for since, until in alive
+            if role != one.role and one.t <= until and since <= one.t + GAP_WINDOW
+        ]
+        gap, gap_role = max(near, default=(None, ""))
+        seen = (
+            line["wall"] - line["ago"] - one.wall
+            for line in gone
+            if line["role"] == one.role and line["wall"] < one.restart + _LEASE
         )
-
-    def _downtimes(self, role: str, times: Array) -> Iterator[tuple[float, float]]:
-        """Yield from when to when [s] a role was down, up to the first command after it."""
-        down: float | None = None
-        for line in self._chaos:
-            if line["target"] != role:
-                continue
-            if line["action"] in _ENDS:
-                down = float(line["t"]) if down is None else down
-            elif down is not None:
-                resumed = first_after(times, float(line["t"]))
-                yield down, np.inf if resumed is None else resumed
-                down = None
-        if down is not None:
-            yield down, np.inf
-
-
-def _gaps(times: Array, downtimes: Iterator[tuple[float, float]]) -> Array:
-    """Return start and end [s] of the time between arrivals, (m, 2), outside of downtimes."""
-    gaps = np.stack([times[:-1], times[1:]], axis=-1)
-    gaps = gaps[gaps[:, 0] >= _STARTUP]
-    for since, until in downtimes:
-        gaps = gaps[(gaps[:, 1] < since) | (gaps[:, 0] >= until)]
-    return gaps
+        silent = (b - a for a, b in spans.get(one.role, []) if a <= one.t + 1e-3 < b)
+        window = (log.t >= one.t) & (log.t <= one.t + ERROR_WINDOW)
+        faults.append(
+            FaultImpact(
+                t=one.t,
+                action=one.action,
+                role=one.role,
+                gap=gap,
+                gap_role=gap_role,
+                detected=next((after for after in seen if after >= 0), None),
+                error=float(off[window].max(initial=0.0)),
+                standbys=one.standbys,
+                silence=next(silent, None),
+                recovery=None if one.resumed == inf else log.wall_at(one.resumed) - one.restart,
+            )
+        )
+    longest = {role: max((b - a for a, b in alive), default=0.0) for role, alive in gaps.items()}
+    return Impact(tuple(faults), longest)
 
 
-def _longest_near(gaps: Array, t: float) -> float | None:
-    """Return the longest of the gaps that overlap the `GAP_WINDOW` after `t` [s]."""
-    near = gaps[(gaps[:, 1] >= t) & (gaps[:, 0] <= t + GAP_WINDOW)]
-    return float((near[:, 1] - near[:, 0]).max()) if len(near) else None
+def _outages(
+    chaos: Sequence[Mapping[str, Any]],
+    deployment: Deployment,
+    log: RunLog,
+    spans: Mapping[str, Sequence[tuple[float, float]]],
+) -> Iterator[_Outage]:
+    """Yield the kills and hangs among what chaos did, in the order of time."""
+    copies, down = Counter(member.role for member in deployment.processes), Counter[str]()
+    for index, line in enumerate(chaos):
+        action, role = line["action"], line["target"]
+        down[role] += (action in _ENDS) - (action in _STARTS)
+        if action in _ENDS:
+            later = (x for x in chaos[index + 1 :] if x["target"] == role)
+            restart = next((x["wall"] for x in later if x["action"] in _STARTS), inf)
+            back = inf if restart == inf else log.t_at(restart)
+            yield _Outage(
+                action,
+                role,
+                t=log.t_at(line["wall"]),
+                wall=line["wall"],
+                standbys=max(copies.get(role, 1) - down[role], 0),
+                restart=restart,
+                resumed=next((until for _, until in spans.get(role, []) if until > back), inf),
+            )

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from bench.gap import longest
-from runtime.results.gaps import arrivals, first_after
 from runtime.results.run_log import RunLog
 
 NONE = np.nan
@@ -16,9 +15,8 @@ def run_log(t: list[float], ages: list[list[float]]) -> RunLog:
 
 
 def test_commands_arrived_as_long_ago_as_the_plant_says() -> None:
-    seen = arrivals(
-        run_log([0.0, 0.1, 0.2, 0.3], [[NONE, NONE], [0.02, NONE], [0.12, NONE], [0.01, NONE]]), 0.1
-    )
+    ages = [[NONE, NONE], [0.02, NONE], [0.12, NONE], [0.01, NONE]]
+    seen = run_log([0.0, 0.1, 0.2, 0.3], ages).arrivals(0.1)
     assert seen[0] == pytest.approx([-0.02, 0.19])
     assert len(seen[1]) == 0
 
@@ -48,8 +46,3 @@ def test_the_longest_gap_that_overlaps_a_span_is_found(
 
 def test_without_any_command_the_whole_span_is_a_gap() -> None:
     assert longest(np.array([]), 1.0, 3.0) == 2.0
-
-
-def test_the_first_after_a_moment_is_found() -> None:
-    assert first_after(TIMES, 1.2) == 2.0
-    assert first_after(TIMES, 2.1) is None
