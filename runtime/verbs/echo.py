@@ -1,8 +1,8 @@
 """Print the messages on a topic, decoded, as lines of JSON."""
 
 import argparse
+import itertools
 import json
-import queue
 
 from msgspec import to_builtins
 
@@ -27,18 +27,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Print until there were enough messages, or Ctrl-C."""
-    waiting: queue.Queue[tuple[str, bytes]] = queue.Queue(_DEPTH)
-
-    def take(key: str, data: bytes) -> None:
-        if not waiting.full():
-            waiting.put_nowait((key, data))
-
     with visit(target_of(args)) as bus:
-        bus.subscribe(args.topic, take)
-        count = 0
-        while count < args.n or not args.n:
-            print(decoded(*waiting.get()), flush=True)
-            count += 1
+        ring = bus.ring(args.topic, _DEPTH)
+        for _ in range(args.n) if args.n else itertools.count():
+            print(decoded(*ring.recv()), flush=True)
     return 0
 
 

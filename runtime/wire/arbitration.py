@@ -41,24 +41,20 @@ class Arbiter(Generic[M]):
 
     Args:
         fresh: For how long after its last message a source is fresh [s].
-        on_another: Called with the first message of a source that comes while another is fresh.
     """
 
-    def __init__(
-        self, fresh: float, on_another: Callable[[M], None] = lambda message: None
-    ) -> None:
-        self.fresh = fresh
-        self._on_another = on_another
+    def __init__(self, fresh: float) -> None:
+        self._fresh = fresh
         self._sources: dict[int, Source[M]] = {}  # in the order in which they came
 
-    def accept(self, message: M, now: float) -> Reason | None:
+    def arbitrate(self, message: M, now: float) -> Reason | None:
         """Accept a message that arrived `now` [s]; return the reason if it is refused."""
         source = self._sources.get(message.by)
         if source is None:
             self._add(message, now)
             return None
         if not 0 < message.n - source.message.n <= LEAP:
-            silent = now - source.arrived > self.fresh
+            silent = now - source.arrived > self._fresh
             if not (silent and 0 < message.n - source.refused <= LEAP):
                 source.refused = message.n
                 return Reason.LATE
@@ -68,8 +64,8 @@ class Arbiter(Generic[M]):
         return None
 
     def _add(self, message: M, now: float) -> None:
-        if any(now - source.arrived <= self.fresh for source in self._sources.values()):
-            self._on_another(message)
+        if any(now - source.arrived <= self._fresh for source in self._sources.values()):
+            self._note_another(message)
         if len(self._sources) >= SOURCES_KEPT:
             sources = self._sources.items()
             del self._sources[min(sources, key=lambda one: (one[1].confirmed, one[1].arrived))[0]]
@@ -84,14 +80,24 @@ class Arbiter(Generic[M]):
             return None
         unconfirmed: Source[M] | None = None
         for source in reversed(self._sources.values()):
-            if now - source.arrived <= self.fresh:
+            if now - source.arrived <= self._fresh:
                 if source.confirmed:
                     return source
                 unconfirmed = unconfirmed or source
         return unconfirmed or max(self._sources.values(), key=lambda source: source.arrived)
 
+    def fresh(self, now: float) -> M | None:
+        """Return the message that counts `now` [s] if it is fresh."""
+        source = self.selected(now)
+        if source is None or now - source.arrived > self._fresh:
+            return None
+        return source.message
 
-class TopicInput(Generic[M]):
+    def _note_another(self, message: M) -> None:
+        """Take note of the first message of a source that comes while another is fresh."""
+
+
+class TopicInput(Arbiter[M]):
     """What arrives on one key: decoded, checked and arbitrated.
 
     Args:
@@ -113,11 +119,10 @@ class TopicInput(Generic[M]):
         *,
         standbys: bool = False,
     ) -> None:
+        super().__init__(fresh)
         self.key = key
-        self._kind = kind
-        self._check = check
+        self._kind, self._check, self._standbys = kind, check, standbys
         self._refusals = refusals
-        self._arbiter = Arbiter[M](fresh) if standbys else Arbiter[M](fresh, self._count_another)
 
     def accept(self, data: bytes, now: float) -> M | None:
         """Accept what arrived `now` [s]; return the message, or None if it is refused."""
@@ -128,25 +133,16 @@ class TopicInput(Generic[M]):
         except MessageError as error:
             self._refusals.count(self.key, error.reason, error.detail)
             return None
-        reason = self._arbiter.accept(message, now)
+        reason = self.arbitrate(message, now)
         if reason is not None:
             self._refusals.count(self.key, reason, f"message {message.n} of {message.by:x}")
             return None
         return message
 
-    def _count_another(self, message: M) -> None:
-        self._refusals.count(self.key, Reason.ANOTHER_SOURCE, f"incarnation {message.by:x}")
-
-    def selected(self, now: float) -> Source[M] | None:
-        """Return the source that counts `now` [s], however old; None if there never was one."""
-        return self._arbiter.selected(now)
-
-    def fresh(self, now: float) -> M | None:
-        """Return the message that counts `now` [s] if it is fresh."""
-        source = self._arbiter.selected(now)
-        if source is None or now - source.arrived > self._arbiter.fresh:
-            return None
-        return source.message
+    def _note_another(self, message: M) -> None:
+        if not self._standbys:
+            detail = f"incarnation {message.by:x}"
+            self._refusals.count(self.key, Reason.ANOTHER_SOURCE, detail)
 
 
 class GoalInput:
@@ -161,21 +157,20 @@ class GoalInput:
     """
 
     def __init__(self, fresh: float, refusals: Refusals) -> None:
-        self._fresh = fresh
-        self._published = TopicInput(topics.GOAL, GoalMessage, fresh, refusals)
-        self._known = TopicInput(topics.KNOWN_GOAL, GoalMessage, fresh, refusals)
+        keys = topics.GOAL, topics.KNOWN_GOAL
+        self._inputs = {key: TopicInput(key, GoalMessage, fresh, refusals) for key in keys}
 
     def accept(self, key: str, data: bytes, now: float) -> None:
         """Accept what arrived on one of the two keys `now` [s]."""
-        (self._published if key == topics.GOAL else self._known).accept(data, now)
+        self._inputs[key].accept(data, now)
 
     def selected(self, now: float) -> GoalMessage | None:
         """Return the goal in force `now` [s]; None if there never was one.
 
         While its source is fresh, that one's. Of what is left behind, the newest by plant time.
         """
-        published = self._published.selected(now)
-        if published is not None and now - published.arrived <= self._fresh:
-            return published.message
-        left = [source.message for source in (published, self._known.selected(now)) if source]
+        published = self._inputs[topics.GOAL].fresh(now)
+        if published is not None:
+            return published
+        left = [source.message for each in self._inputs.values() if (source := each.selected(now))]
         return max(left, key=lambda goal: goal.t, default=None)

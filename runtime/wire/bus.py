@@ -6,9 +6,9 @@ Nothing here blocks a sender: what does not get through is dropped, for the next
 import math
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import suppress
+from contextlib import AbstractContextManager, suppress
 from queue import Empty, SimpleQueue
-from typing import NamedTuple, Self
+from typing import NamedTuple
 
 import zenoh
 from zenoh.handlers import Handler, RingChannel
@@ -103,7 +103,7 @@ class RingSubscriber:
             yield self._read(sample)
 
 
-class Bus:
+class Bus(AbstractContextManager["Bus"]):
     """A process's connection to its robot's bus; open within its `with` block.
 
     Args:
@@ -127,12 +127,8 @@ class Bus:
             self._session = zenoh.open(config(robot, place, credentials))
         except zenoh.ZError as error:
             raise BusError(_why(robot, role, place, str(error))) from None
-        self._token: zenoh.LivelinessToken | None = None
         self._on_samples: list[CallbackSubscriber] = []
         self._asked = -math.inf  # when the last query came [s, monotonic]
-
-    def __enter__(self) -> Self:
-        return self
 
     def __exit__(self, *_: object) -> None:
         self.close()

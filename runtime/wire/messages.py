@@ -84,7 +84,6 @@ class EndEffectorPose(Message, frozen=True, gc=False):
     orientation: Quaternion
 
     def check(self) -> None:
-        """Refuse what is no rotation."""
         x, y, z, w = self.orientation
         if not abs(x * x + y * y + z * z + w * w - 1) < 1e-3:
             raise MessageError(Reason.NOT_UNIT, f"orientation is {self.orientation}")
@@ -97,7 +96,6 @@ class JointStates(Message, frozen=True, gc=False):
     velocity: Annotated[tuple[JointVelocity | None, ...], _any_length]
 
     def check(self) -> None:
-        """Refuse different numbers of joints."""
         if len(self.position) != len(self.velocity):
             detail = f"{len(self.position)} positions and {len(self.velocity)} velocities"
             raise MessageError(Reason.WRONG_LENGTH, detail)
@@ -180,7 +178,6 @@ class Diag(Message, frozen=True, gc=False):
     clock: Count
 
     def check(self) -> None:
-        """Refuse texts that could play tricks on a terminal."""
         check_printable(self.role, self.host, self.state, self.perception, self.run)
         check_printable(self.deployment, self.version, *self.answers, *self.refused)
         for reasons in self.refused.values():
@@ -193,7 +190,7 @@ def nil_for_nan(numbers: Iterable[float]) -> tuple[float | None, ...]:
 
 
 def check_printable(*texts: str) -> None:
-    """Raise `MessageError` unless each text can be shown on a terminal without harm."""
+    """Raise `MessageError` for a text that could play tricks on a terminal."""
     for text in texts:
         if not text.isprintable():
             raise MessageError(Reason.WRONG_TYPE, f"wanted a printable text, got {text[:100]!r}")

@@ -60,13 +60,6 @@ class Topic(NamedTuple):
     recorded: bool = True
     fresh: float | None = None
 
-    def key_of(self, role: str) -> str | None:
-        """Return the key on which a role publishes it; None if that role does not."""
-        match = re.fullmatch(_pattern(self.publisher), role)
-        if match is None:
-            return None
-        return re.sub(r"\*+", match[1], self.key) if match.groups() else self.key
-
 
 TOPICS = (
     Topic(HAND, EndEffectorPose, PLANT, "hand", express=False),
@@ -122,8 +115,11 @@ class Contract:
 
     def keys_of(self, role: str) -> tuple[str, ...]:
         """Return all keys that a role publishes on."""
-        keys = (topic.key_of(role) for topic in self.topics)
-        return tuple(key for key in keys if key is not None)
+        return tuple(
+            re.sub(r"\*+", match[match.lastindex or 0], topic.key)
+            for topic in self.topics
+            if (match := re.fullmatch(_pattern(topic.publisher), role))
+        )
 
 
 @lru_cache

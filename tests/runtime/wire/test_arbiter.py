@@ -23,7 +23,7 @@ class Told(NamedTuple):
 
 
 def accept(arbiter: Arbiter[JointCommand], told: Told) -> Reason | None:
-    return arbiter.accept(JointCommand(0.0, float(told.n), by=told.by, n=told.n), told.at)
+    return arbiter.arbitrate(JointCommand(0.0, float(told.n), by=told.by, n=told.n), told.at)
 
 
 def selected(arbiter: Arbiter[JointCommand], now: float) -> tuple[int, int] | None:
