@@ -1,10 +1,13 @@
-"""A campaign: many runs of one deployment, each with random process faults drawn from its seed."""
+"""A campaign: many runs of one deployment, each with random process faults drawn from its seed.
+
+`python -m runtime.campaign.campaign RUN` launches one run in the folder RUN.
+"""
 
 import signal
 import subprocess
+import sys
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -15,16 +18,19 @@ from runtime.campaign.forecast import forecast
 from runtime.campaign.impact import Impact, measure_impact
 from runtime.chaos.injector import check_means
 from runtime.config.chaos import WATCHER, ChaosEvent
-from runtime.config.deployment import Deployment
+from runtime.config.deployment import Deployment, load
 from runtime.config.random_chaos import MANNERS, fault
 from runtime.config.tree import ConfigError
-from runtime.launching.launcher import prepare
+from runtime.errors import RunError
+from runtime.launching.launcher import Launcher, prepare
+from runtime.processes.lifetime import FAILED
 from runtime.results.evaluation import evaluate
+from runtime.results.finishing import close
 from runtime.results.logs import log_lines
 from runtime.results.run_log import RunLogError, read_run_log
 from runtime.spawning.identity import ProcessId, processes_in
 from runtime.spawning.registry import forget
-from runtime.spawning.tasks import spawn
+from runtime.spawning.tasks import last_line, spawn
 from runtime.tls.verification import verify_all
 from runtime.watching.table import distance
 
@@ -88,22 +94,36 @@ def draw(deployment: Deployment, seed: int) -> Deployment:
 
 def run_once(deployment: Deployment, seed: int) -> CampaignRun:
     """Launch one run, evaluate its logs, and make sure that all its processes have ended."""
-    drawn = draw(deployment, seed)
-    drawn, folder = prepare(drawn)
-    began = time.monotonic()
+    drawn, folder = prepare(draw(deployment, seed))
     assert drawn.duration is not None
-    with _launched(drawn, folder) as launcher:
-        _wait(launcher, drawn, folder)
-        limit = began + drawn.duration / drawn.speed + drawn.patience + _SHUTDOWN_TIMEOUT
-        while (remaining := _remaining(drawn, folder)) and time.monotonic() < limit:
+    limit = time.monotonic() + drawn.duration / drawn.speed + drawn.patience + _SHUTDOWN_TIMEOUT
+    launcher = spawn("runtime.campaign.campaign", [str(folder)], folder / "launcher.out")
+    watcher = None
+    watched = any(event.role == WATCHER for event in drawn.chaos)
+    try:
+        while launcher.poll() is None:
+            if watched and watcher is None and any(log_lines(folder, "plant", "tick")):
+                words = ["status", "--watch", "--file", str(folder / "deployment.yaml")]
+                watcher = spawn("runtime.cli", words, folder / "watcher.out")
             time.sleep(_POLL_PERIOD)
+        while _remaining(drawn, folder) and time.monotonic() < limit:
+            time.sleep(_POLL_PERIOD)
+    except BaseException:
+        with suppress(subprocess.TimeoutExpired):
+            launcher.send_signal(signal.SIGINT)
+            launcher.wait(_SHUTDOWN_TIMEOUT)
+        raise
+    finally:
+        for child in filter(None, (launcher, watcher)):
+            child.kill()
+            child.wait()
+        remaining = _remaining(drawn, folder)
         for process in remaining:
             process.send(signal.SIGKILL)
     forget(drawn.robot, folder)
     reason = f"{len(remaining)} processes did not end and were killed" if remaining else ""
-    if not reason and launcher.returncode == 1:
-        output = (folder / "launcher.out").read_text(encoding="utf-8", errors="replace")
-        reason = output.strip().split("\n")[-1]
+    if not reason and launcher.returncode == FAILED:
+        reason = last_line(folder / "launcher.out")
     return _evaluated(drawn, folder, reason)
 
 
@@ -123,40 +143,6 @@ def _evaluated(deployment: Deployment, folder: Path, reason: str) -> CampaignRun
     outcome = "reached" if error <= deployment.tolerance else "missed"
     outcome = "failed" if reason else outcome
     return CampaignRun(seed, chaos, outcome, reason, error, impact, folder)
-
-
-@contextmanager
-def _launched(deployment: Deployment, folder: Path) -> Iterator["subprocess.Popen[bytes]"]:
-    """Launch a run; if the block raises, interrupt the run and end all its processes."""
-    launcher = spawn("runtime.campaign.single_run", [str(folder)], folder / "launcher.out")
-    try:
-        yield launcher
-    except BaseException:
-        with suppress(subprocess.TimeoutExpired):
-            launcher.send_signal(signal.SIGINT)
-            launcher.wait(_SHUTDOWN_TIMEOUT)
-        launcher.kill()
-        for process in _remaining(deployment, folder):
-            process.send(signal.SIGKILL)
-        raise
-    finally:
-        launcher.wait()
-
-
-def _wait(launcher: "subprocess.Popen[bytes]", deployment: Deployment, folder: Path) -> None:
-    """Wait until the launcher ends; start a watcher if a chaos event targets one."""
-    watcher = None
-    wanted = any(event.role == WATCHER for event in deployment.chaos)
-    try:
-        while launcher.poll() is None:
-            if wanted and watcher is None and any(log_lines(folder, "plant", "tick")):
-                words = ["status", "--watch", "--file", str(folder / "deployment.yaml")]
-                watcher = spawn("runtime.cli", words, folder / "watcher.out")
-            time.sleep(_POLL_PERIOD)
-    finally:
-        if watcher is not None:
-            watcher.kill()
-            watcher.wait()
 
 
 def _remaining(deployment: Deployment, folder: Path) -> list[ProcessId]:
@@ -183,3 +169,18 @@ def _end(deployment: Deployment) -> tuple[float, GoalPath]:
     if deployment.duration is None or deployment.goal is None:
         raise ConfigError("a campaign needs both `goal` and `duration` to evaluate its runs")
     return deployment.duration, deployment.goal.build()
+
+
+def _launch(run: Path) -> int:
+    """Launch a run that is prepared, in a process of its own, so that chaos can kill it."""
+    deployment = load(run / "deployment.yaml")
+    try:
+        outcome = Launcher(deployment, run, lambda: None).go()
+    except RunError as error:
+        print(error)
+        return FAILED
+    return close(deployment, run, outcome, plot=False)[0].code
+
+
+if __name__ == "__main__":
+    sys.exit(_launch(Path(sys.argv[1])))

@@ -83,7 +83,7 @@ class AgentNode(Node):
         self._out = bus.publisher(
             topics.PLATFORM_COMMAND if joint is None else topics.joint_command(joint + 1)
         )
-        self._board = bus.on_sample(board, self._perceive, silence, self._decide_later)
+        self._board = bus.on_sample(board, self._perceive, silence, self._decide)
         self._perceiving = threading.Lock()
 
     @property
@@ -123,7 +123,8 @@ class AgentNode(Node):
         t = self._senses.t
         due = self._cadence.due(t) or self._wanted is None
         if due and not self._answers_first:
-            t = self._decide(now, t)
+            self._decide()
+            t = t if self._wanted is None else self._decided_at
         self._process.t = t
         self._process.clock.seen(self._senses.t, now)
         wanted = self._wanted
@@ -132,23 +133,17 @@ class AgentNode(Node):
         if due and self._answers_first:
             self._board.defer()
 
-    def _decide_later(self) -> None:
-        self._decide(time.monotonic(), self._senses.t)
-
-    def _decide(self, now: float, t: float) -> float:
-        """Decide, and return the plant time of the state that this answers [s]."""
-        percepts = self._percepts(now)
-        if percepts is None:
-            self._wanted = None
-            return t
-        self._wanted, self._decided_at = self._decided(percepts), percepts.t
-        return percepts.t
-
-    def _percepts(self, now: float) -> Percepts | None:
+    def _decide(self) -> None:
+        """Decide on what has arrived by now."""
+        now = time.monotonic()
         with self._perceiving:
             for arrival in self._lately():
                 self._senses.accept(arrival, now)
-            return self._senses.percepts(now)
+            percepts = self._senses.percepts(now)
+        if percepts is None:
+            self._wanted = None
+        else:
+            self._wanted, self._decided_at = self._decided(percepts), percepts.t
 
     def _lately(self) -> Iterator[Sample]:
         """Yield what came of the topics that are of use to a decision only."""

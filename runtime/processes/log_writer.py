@@ -48,9 +48,8 @@ class LogWriter:
     """Appends lines to ROLE.jsonl; a revived process continues the file.
 
     Every line has `wall` (seconds since 1970), `t` (plant time, s) and `event`. No line waits for
-    the disk: a thread writes them every half second. When the file has an eighth of the log's
-    size it becomes ROLE.1.jsonl, ROLE.2.jsonl and so on. Of the oldest that is too many only the
-    motion of the robot is dropped: its other lines are kept in ROLE.0.jsonl.
+    the disk. When the file has an eighth of the log's size it becomes ROLE.1.jsonl, ROLE.2.jsonl
+    and so on. Of the oldest that is too many all but motion is kept in ROLE.0.jsonl.
     """
 
     def __init__(self, folder: Path, role: str, megabytes: float = LOG_MEGABYTES) -> None:
@@ -96,12 +95,12 @@ class LogWriter:
 
     def close(self) -> None:
         """Write the rest and close the file; do not wait for a disk that hangs."""
-        if self._thread is not None:
-            self.flush()
-        elif not self._closing:
-            os.close(self._file)
         self._closing = True
         self._wake.set()
+        if self._thread is None:
+            os.close(self._file)
+        else:
+            self._thread.join(_PATIENCE)
 
     def _run(self) -> None:
         while not self._closing or self._lines:
@@ -119,15 +118,14 @@ class LogWriter:
             lines.append(_line(0.0, "lost", lines=self._lost, why="the disk hung"))
             self._lost = 0
         try:
-            self._append("".join(f"{line}\n" for line in lines).encode())
+            if lines:
+                self._append("".join(f"{line}\n" for line in lines).encode())
         except OSError as error:
             if not self._complained:
                 print(LogError(self.path, error), file=sys.stderr)
             self._complained = True
 
     def _append(self, data: bytes) -> None:
-        if not data:
-            return
         with suppress(FileNotFoundError):
             if not os.path.samestat(os.stat(self.path), os.fstat(self._file)):  # by a copy
                 self._reopen()

@@ -27,7 +27,7 @@ from runtime.processes.scheduling import Overload, confine_realtime, set_normal,
 from runtime.spawning.identity import start_line
 from runtime.wire import topics
 from runtime.wire.bus import Bus, BusError
-from runtime.wire.mesh import FIRST_COPY, SLOTS, Endpoints
+from runtime.wire.mesh import FIRST_COPY, SLOTS
 from runtime.wire.messages import Diag, pack
 from runtime.wire.refusals import Refusals
 from runtime.wire.zenoh_internals.connection_log import ConnectionLog
@@ -43,7 +43,6 @@ class Process(Context):
     """One process, which is on the bus from its making to the end of its `with` block.
 
     Attributes:
-        deployment: What it is a part of.
         file: Where the deployment was read from.
         clock: Plant time, by which it ends, unless it is the plant itself.
     """
@@ -64,20 +63,16 @@ class Process(Context):
             if deployment.credentials(self.role) and uses(Internal.LOG):
                 log = ConnectionLog(self.refusals, self._note_joined)
                 self._strangers = stack.enter_context(log)
-            self._realtime = self._set_scheduling()  # the threads of the bus inherit it
+            wanted = deployment.scheduling
+            self._realtime = wanted != "normal" and set_realtime()  # also the threads of the bus
+            if wanted == "realtime" and not self._realtime:
+                raise ConfigError(
+                    f"scheduling: realtime is not granted to {self.role}; `msma doctor`"
+                )
             self.bus = stack.enter_context(_join(deployment, member))
             confine_realtime()
             self.log = LogWriter(self.run, self.role, deployment.log_megabytes)
             self._stack = stack.pop_all()
-
-    def _set_scheduling(self) -> bool:
-        """Return whether it has real-time priority; `ConfigError` if that is asked for in vain."""
-        if self.deployment.scheduling == "normal":
-            return False
-        granted = set_realtime()
-        if not granted and self.deployment.scheduling == "realtime":
-            raise ConfigError(f"scheduling: realtime is not granted to {self.role}; `msma doctor`")
-        return granted
 
     @property
     def robot(self) -> Robot:
@@ -203,18 +198,14 @@ def _join(deployment: Deployment, member: ProcessSpec) -> Bus:
     A copy takes the first free one of the slots for copies.
     """
     mesh, role = deployment.mesh, member.role
-    credentials = deployment.credentials(role)
+    places = [mesh.endpoints(deployment.slot(role))]
+    if member.copy:
+        home = deployment.hosts[member.host].address
+        places = [mesh.copy_endpoints(slot, home) for slot in range(FIRST_COPY, SLOTS)]
     incarnation = random.SystemRandom().getrandbits(63)
-
-    def take(place: Endpoints) -> Bus:
-        return Bus(deployment.robot, role, place, incarnation, credentials)
-
-    if not member.copy:
-        return take(mesh.endpoints(deployment.slot(role)))
-    home = deployment.hosts[member.host].address
-    for slot in range(FIRST_COPY, SLOTS):
+    for place in places:
         try:
-            return take(mesh.copy_endpoints(slot, home))
+            return Bus(deployment.robot, role, place, incarnation, deployment.credentials(role))
         except BusError as error:
             taken = error
     raise taken

@@ -63,12 +63,7 @@ class PlatformMotion:
 
 @dataclass(frozen=True)
 class JointMotion:
-    """How one joint moved.
-
-    Attributes:
-        final: Position at the end [rad or m].
-        straightest: Smallest absolute position [rad or m].
-    """
+    """How one joint moved: its last position and the smallest absolute one [rad or m]."""
 
     name: str
     final: float
@@ -81,9 +76,8 @@ class Evaluation:
 
     Attributes:
         t: Plant time of the last state [s].
-        tracking: How the hand followed the goal; None if the deployment has no path.
-        platform: How the platform truly moved; None for a robot without a drive.
-        joints: How each joint moved.
+        tracking: None if the deployment has no path.
+        platform: None for a robot without a drive, or if its true motion is not known.
         by_sensors: Whether this is by what the sensors measured, as the plant knows no truth.
     """
 

@@ -5,9 +5,8 @@ from contextlib import suppress
 from pathlib import Path
 
 from runtime.config.deployment import Deployment
-from runtime.results.evaluation import evaluate
 from runtime.results.outcome import RunOutcome
-from runtime.results.run_log import RunLog, RunLogError, read_run_log
+from runtime.results.run_log import RunLogError, read_run_log
 from runtime.results.summary import Summary, summarise
 
 
@@ -32,26 +31,22 @@ def close(
     """Write `summary.json` and a plot to a run's folder; `again` are the options to repeat it.
 
     Returns:
-        The summary, and lines about the plot and about files that could not be written.
+        The summary, and what to say about the files.
     """
     try:
         log = read_run_log(run)
     except RunLogError:
         log = None
-    evaluation = None if log is None else evaluate(log, deployment)
-    summary = summarise(deployment, run, outcome, log, evaluation, again)
+    summary = summarise(deployment, run, outcome, log, again)
     text = summary.to_json()
     said = [save(run / "summary.json", lambda file: file.write_text(text, encoding="utf-8"))]
     if plot and log is not None:
-        said.append(_draw(log, deployment, summary))
+        try:
+            from runtime.results.plots import draw
+        except ImportError:
+            said.append("  no plot without matplotlib: pip install 'msma[plots]'")
+        else:
+            file = run / "path.png"
+            problem = save(file, lambda file: draw(log, deployment, summary.events, file))
+            said.append(problem or f"  plot: {file}")
     return summary, "\n".join(filter(None, said))
-
-
-def _draw(log: RunLog, deployment: Deployment, summary: Summary) -> str:
-    try:
-        from runtime.results.plots import draw
-    except ImportError:
-        return "  no plot without matplotlib: pip install 'msma[plots]'"
-    file = summary.run / "path.png"
-    problem = save(file, lambda file: draw(log, deployment, summary.events, file))
-    return problem or f"  plot: {file}"

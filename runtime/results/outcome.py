@@ -17,7 +17,6 @@ class RunOutcome(NamedTuple):
 
     Attributes:
         code: 130 if it was interrupted, else 0.
-        reason: Why it ended.
         view: The last view of the processes while they were alive.
         events: What only the launcher logs: how processes ended, and what failed.
         host: The host whose processes alone were started; None if all were.

@@ -5,13 +5,13 @@ import math
 import shlex
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from runtime.config.deployment import Deployment
 from runtime.processes.lifetime import FAILED, INTERRUPTED, OK
-from runtime.results.evaluation import SETTLING, Evaluation, PlatformMotion, Tracking
+from runtime.results.evaluation import SETTLING, Evaluation, PlatformMotion, Tracking, evaluate
 from runtime.results.logs import read_log
 from runtime.results.outcome import RunEvent, RunOutcome
 from runtime.results.run_log import RunLog
@@ -28,22 +28,20 @@ class ProcessSummary:
     """The processes of one role.
 
     Attributes:
-        host: The host of the last process; empty if it published no diagnostics.
-        pids: All processes of the role, oldest first.
-        restarts: How often a process was restarted.
-        rate: Loop rate of the last process at the end [Hz].
-        answer: Median, 99th percentile and worst latency of its answers to the plant [s]; None if
-            it does not answer.
-        refused: How many messages the last process refused, by topic and reason.
+        pids: All of them, oldest first.
+        answer: Latency of its answers to the plant [s]; None if it does not answer.
+        host: The host of the last of them; empty if it published no diagnostics.
+        rate: Loop rate of the last at the end [Hz].
+        refused: How many messages the last refused, by topic and reason.
     """
 
     role: str
-    host: str
     pids: tuple[int, ...]
     restarts: int
-    rate: float
     answer: Spread | None
-    refused: Mapping[str, Mapping[str, int]]
+    host: str = ""
+    rate: float = 0.0
+    refused: Mapping[str, Mapping[str, int]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -52,11 +50,9 @@ class Summary:
 
     Attributes:
         code: The exit code of the launcher.
-        headline: The outcome in one sentence.
         tolerance: Largest error at the end that counts as reaching the goal [m].
         evaluation: How well it went; None if the plant logged no motion.
         events: Faults, failures and restarts, in the order of plant time.
-        processes: The processes of each role.
         again: The command that repeats the run.
     """
 
@@ -109,23 +105,19 @@ def summarise(
     run: Path,
     outcome: RunOutcome,
     log: RunLog | None,
-    evaluation: Evaluation | None,
     again: Sequence[str] = (),
 ) -> Summary:
-    """Summarise the run in the folder `run`; `again` are the options that repeat it.
-
-    Without motion of the plant there is neither a log nor an evaluation.
-    """
+    """Summarise the run in the folder `run`; `again` are the options that repeat it."""
+    evaluation = None if log is None else evaluate(log, deployment)
     code, headline = _outcome(deployment, outcome, log, evaluation)
+    events = [*outcome.events, *_logged(deployment, run, log)]
     return Summary(
         robot=deployment.robot,
         code=code,
         headline=headline,
         tolerance=deployment.tolerance,
         evaluation=evaluation,
-        events=tuple(
-            sorted([*outcome.events, *_logged(deployment, run, log)], key=lambda event: event.t)
-        ),
+        events=tuple(sorted(events, key=lambda event: event.t)),
         processes=tuple(_processes(deployment, run, outcome)),
         run=run,
         again=shlex.join(["msma", "launch", str(run / "deployment.yaml"), *again]),
@@ -169,10 +161,10 @@ def _reached(tracking: Tracking, t: float, tolerance: float) -> tuple[int, str]:
     off = f"the hand is {distance(tracking.final)} off at {t:.2f} s"
     if tracking.nearest is None:
         return OK, f"goal reached: {off}, within {distance(tolerance)}"
+    why = ", though the arm could reach it"
     if tracking.nearest > tolerance:
-        miss = distance(tracking.nearest)
-        return MISSED, f"goal missed: {off}; it is {miss} out of reach from where the platform is"
-    return MISSED, f"goal missed: {off}, though the arm could reach it from where the platform is"
+        why = f"; it is {distance(tracking.nearest)} out of reach"
+    return MISSED, f"goal missed: {off}{why} from where the platform is"
 
 
 def _of_hand(tracking: Tracking, tolerance: float) -> list[tuple[str, str]]:
@@ -211,17 +203,14 @@ def _logged(deployment: Deployment, run: Path, log: RunLog | None) -> Iterator[R
 
 def _recovery(run: Path, log: RunLog, started: Mapping[str, Any]) -> str:
     """Return how long a restarted process took to its first accepted command, as text."""
-    found = (e for e in log.events if e["event"] == "obeys" and e["by"] == started["by"])
-    obeyed = next(found, None)
-    if obeyed is None:
-        return ""
-    requested = (
-        line["wall"]
-        for line in read_log(run, "launcher", "chaos")
-        if (line["action"], line["target"]) == ("revive", started["role"])
-    )
-    began = max((wall for wall in requested if wall <= started["wall"]), default=started["wall"])
-    return f", first command accepted after {obeyed['wall'] - began:.2f} s"
+    began = started["wall"]
+    for line in read_log(run, "launcher", "chaos"):  # it may have been asked for before
+        if (line["action"], line["target"]) == ("revive", started["role"]):
+            began = line["wall"] if line["wall"] <= started["wall"] else began
+    for event in log.events:
+        if event["event"] == "obeys" and event["by"] == started["by"]:
+            return f", first command accepted after {event['wall'] - began:.2f} s"
+    return ""
 
 
 def _processes(deployment: Deployment, run: Path, outcome: RunOutcome) -> list[ProcessSummary]:
@@ -230,19 +219,11 @@ def _processes(deployment: Deployment, run: Path, outcome: RunOutcome) -> list[P
     processes = []
     members = [one for one in deployment.processes if outcome.host in (None, one.host)]
     for role, count in Counter(one.role for one in members).items():
-        diag = diags.get(role)
         pids = tuple(line["pid"] for line in read_log(run, role, "start"))
-        processes.append(
-            ProcessSummary(
-                role=role,
-                host="" if diag is None else diag.host,
-                pids=pids,
-                restarts=max(len(pids) - count, 0),
-                rate=0.0 if diag is None else diag.rate,
-                answer=answers.get(role),
-                refused={} if diag is None else diag.refused,
-            )
-        )
+        one = ProcessSummary(role, pids, max(len(pids) - count, 0), answers.get(role))
+        if diag := diags.get(role):
+            one = replace(one, host=diag.host, rate=diag.rate, refused=diag.refused)
+        processes.append(one)
     return processes
 
 
