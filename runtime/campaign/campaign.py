@@ -65,13 +65,10 @@ class CampaignRun:
 
 
 def draw(deployment: Deployment, seed: int) -> Deployment:
-    """Add random process faults to a deployment's own chaos.
-
-    Faults that put the goal out of reach are drawn again: see `forecast`.
+    """Add random process faults, which leave the goal within reach, to a deployment's chaos.
 
     Raises:
-        ConfigError: The deployment has no duration or no goal, or no draw leaves the goal within
-            reach.
+        ConfigError: The deployment has no duration or no goal, or no draw does that.
     """
     duration, path = _end(deployment)
     rng = np.random.default_rng([seed, 0xCA])

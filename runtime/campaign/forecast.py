@@ -2,10 +2,9 @@
 
 Two criteria, of which one suffices. *Simulation*: the deployment's own agents, in lockstep with a
 kinematic plant and silent while their processes are down, end within the tolerance. *Geometry*:
-with the lost joints fixed where they came to rest in that simulation, some posture of the others
-puts the hand on the goal, from anywhere if the platform is alive and otherwise from where it
-stopped. Geometry knows nothing of how the agents decide, so where they merely fail the goal counts
-as within reach. Joints that never moved are assumed to be held on purpose.
+with the lost joints, and those that never moved, fixed where they came to rest, some posture of the
+others puts the hand on the goal, from anywhere if the platform is alive and otherwise from where it
+stopped. So where the agents merely fail, the goal counts as within reach.
 """
 
 from collections import Counter
@@ -50,14 +49,9 @@ class Forecast(NamedTuple):
 
 
 def forecast(deployment: Deployment, path: Path, duration: float) -> Forecast:
-    """Simulate a deployment and its chaos schedule in one process, faster than real time.
+    """Simulate a deployment with the path of its goal and its chaos for a `duration` [s].
 
     Network events are ignored.
-
-    Args:
-        deployment: The deployment.
-        path: The path of its goal.
-        duration: Duration of the run [s].
     """
     deployment = replace(deployment, period=max(deployment.period, _COARSEST))
     processes = _AgentTeam(deployment)

@@ -35,7 +35,6 @@ class FaultImpact:
     Attributes:
         t: Plant time [s].
         action: "kill" or "hang".
-        role: The role of the process.
         gap: Longest gap in the commands of any other agent [s, plant time]; None if no other
             agent was left.
         gap_role: The role of that agent.
@@ -62,10 +61,9 @@ class FaultImpact:
 
 @dataclass(frozen=True)
 class Impact:
-    """The impact of all kills and hangs of a run.
+    """The impact of all kills and hangs of a run, in the order of time.
 
     Attributes:
-        faults: One item for each kill or hang, in the order of time.
         gaps: Longest gap in the commands of each role while it was alive [s, plant time].
     """
 

@@ -39,11 +39,11 @@ def check_means(deployment: Deployment, network: Network | None) -> None:
 
 
 class FaultInjector:
-    """Carries out what a schedule says is due.
+    """Carries out what is due.
 
     Args:
         deployment: What runs.
-        control: Acts on the processes and the plant.
+        control: Acts on it.
         journal: Notes what is done, and what came of it.
         start_successor: Called with plant time [s] before the launcher, if this is it, kills
             itself.

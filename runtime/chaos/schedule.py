@@ -15,14 +15,12 @@ class Due(NamedTuple):
 
 
 class Schedule:
-    """Hands out the beginning and the end of each event once, when plant time has come to it.
-
-    Plant time may leap ahead, and back when a plant is started anew.
-    """
+    """Hands out the beginning and the end of each event once, when plant time has come to it."""
 
     def __init__(self, events: Iterable[ChaosEvent]) -> None:
-        self._left = [Due(event.at, event) for event in events]
-        for event in [due.event for due in self._left]:
+        self._left: list[Due] = []
+        for event in events:
+            self._left.append(Due(event.at, event))
             if event.ends is not None:
                 self._left.append(Due(event.ends, event, over=True))
         # Whoever carries it out may be killed by it, after all else that is due then.

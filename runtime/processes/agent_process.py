@@ -47,8 +47,7 @@ class AgentNode(Node):
     """Sends an agent's command for each state of the plant.
 
     The agent decides no more often than its `rest`; in between its last command is repeated, so
-    that the plant knows it is alive and no standby takes over. Errors of the agent (an exception,
-    numbers that are not finite) are counted, logged once of each kind, and nothing is sent.
+    that no standby takes over. Its errors are counted, logged once of each kind, and nothing sent.
     """
 
     def __init__(self, process: Process, agent: Agent) -> None:
@@ -117,8 +116,7 @@ class AgentNode(Node):
         """Send the command.
 
         If states come more often than decisions, that is the last decision, and another thread
-        decides meanwhile, so that no state waits for a decision. A decision is valid for its
-        horizon: an agent that is stuck in a decision falls silent.
+        decides meanwhile. It is valid for its horizon: an agent that is stuck falls silent.
         """
         t = self._senses.t
         due = self._cadence.due(t) or self._wanted is None

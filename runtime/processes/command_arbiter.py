@@ -20,7 +20,7 @@ Command = JointCommand | PlatformCommand
 
 
 class _Motor(NamedTuple):
-    """What one agent commands, a joint or the platform; its largest speeds are the limits."""
+    """What one agent commands, and its largest speeds."""
 
     role: str
     input: TopicInput[JointCommand] | TopicInput[PlatformCommand]
@@ -34,7 +34,6 @@ class CommandArbiter:
     are plant times [s], so that nothing grows old while the plant is stopped.
 
     Args:
-        robot: What is commanded.
         hold: How long a command is in force [s].
         fresh: How long after a message its source counts as active [s].
         refusals: Counts what is refused or clamped.
@@ -69,7 +68,7 @@ class CommandArbiter:
         """Take what arrived at plant time `t` [s].
 
         Returns:
-            Which role answers the state of which plant time [s]; None if the message was refused.
+            Which role answers the state of which plant time [s]; None if it was refused.
         """
         motor = self._motors.get(arrival.key)
         if motor is None:
@@ -87,9 +86,8 @@ class CommandArbiter:
     def commands_at(self, t: float) -> tuple[Commands, list[float | None]]:
         """Return the commands in force at plant time `t` [s], and the age of each [s].
 
-        The ages are in the order of the joints, the platform's last. Without a command, or with
-        one that is too old, the age is None and the motor is to stand still until the next: the
-        plant brakes it within its limits.
+        The platform's is the last. Without one that is young enough, the age is None and the motor
+        is to stand still.
         """
         speeds: list[float] = []
         ages: list[float | None] = []

@@ -11,8 +11,7 @@ OK, FAILED, INTERRUPTED = 0, 1, 130
 class Shutdown:
     """The end of a process: any thread may ask for it, and any may wait for it.
 
-    A pipe wakes those who wait, whatever the main thread is busy with: Python writes the number of
-    each signal to it from C.
+    A pipe wakes those who wait, even while the main thread is busy: Python writes signals to it.
 
     Attributes:
         reason: Why the process is to end; None until then.

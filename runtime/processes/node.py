@@ -50,7 +50,7 @@ class Node(ABC):
 
     Attributes:
         topics: What it publishes, as rows of the wire contract; the publisher is the node's role.
-            Where certificates are used, it has no right to publish anything else.
+            With certificates it may publish nothing else.
         state: What it is doing, in a few words, for `msma status`.
     """
 

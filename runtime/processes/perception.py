@@ -15,8 +15,7 @@ from runtime.wire.refusals import MessageError, Reason, Refusals
 from runtime.wire.samples import Sample
 from runtime.wire.topics import Topic
 
-_KEPT = 6
-"""How many of each kind are kept, to find those that belong together."""
+_KEPT = 6  # of each kind, to find those that belong together
 
 
 class _StateInput(TopicInput[M]):
@@ -37,13 +36,12 @@ class _StateInput(TopicInput[M]):
 class Perception:
     """Keeps the newest message of each kind, and gives those that are fresh and of one moment.
 
-    The plant publishes the state of one moment as several messages. One that is a period older than
-    the others would put the hand a period's travel off, and in motion where it is not.
+    One that is a period older than the others would put the hand a period's travel off.
 
     Args:
         robot: The robot, whose number of joints the joint states must have.
         fresh: Age up to which a message is perceived [s].
-        refusals: Where refusals are counted.
+        refusals: Counts what is refused.
         sensors: Topics of the robot's own sensors that are perceived.
 
     Attributes:
@@ -77,8 +75,7 @@ class Perception:
     def accept(self, arrival: Sample, now: float) -> bool:
         """Accept what arrived `now` [s]; return whether it calls for a decision.
 
-        The joint states do, which the plant publishes last of each moment; without them, the pose
-        of the hand does.
+        The joint states do, which come last of each moment; without them, the pose of the hand.
         """
         key, data = arrival
         source = self._inputs.get(key)

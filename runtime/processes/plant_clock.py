@@ -14,9 +14,7 @@ _WAITING = 256  # messages kept between two looks, so that a flood hides no plan
 
 
 class PlantClock:
-    """Plant time, from the plant's messages: what the last two of them have both reached.
-
-    So one wrong time in a message leads nowhere.
+    """Plant time: what the last two messages have both reached, so that no single one misleads.
 
     Attributes:
         t: Plant time [s]; 0 before the second message.

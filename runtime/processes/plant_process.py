@@ -24,8 +24,7 @@ _ENDING = 0.5  # [s] for which the last state is published, so that all processe
 class PlantNode(Node):
     """Each period: takes commands, writes them to the plant, and publishes what its sensors read.
 
-    A run begins with the first valid command. While the process is stopped, so is the plant time of
-    a simulation.
+    A run begins with the first valid command.
     """
 
     def __init__(self, process: Process, answers: AnswerTimes | None = None) -> None:

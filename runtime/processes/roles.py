@@ -1,7 +1,4 @@
-"""Which node a role has, and its process from start to end in one call.
-
-A process imports only what its own role needs: a revived one acts the sooner.
-"""
+"""Which node a role has, and its process: it imports only what that needs, to act the sooner."""
 
 import sys
 from importlib import import_module
@@ -19,7 +16,6 @@ _NEEDED = {
     topics.PLANT: ("runtime.processes.plant_process",),
     topics.GOAL_SOURCE: ("runtime.processes.goal_process",),
 }
-"""What the process of a role imports besides this module."""
 
 
 def preload(role: str | None = None) -> None:

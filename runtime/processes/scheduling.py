@@ -18,9 +18,8 @@ _TASKS = Path("/proc/self/task")
 def set_realtime() -> bool:
     """Give real-time priority to this thread and to those it starts; return whether granted.
 
-    So no other program delays a command. The policy is SCHED_RR: processes of a robot do not
-    preempt each other, which would cost what the caches hold; a tick wakes nine of them. The system
-    grants it to root and to users with an `rtprio` limit.
+    The policy is SCHED_RR: processes of a robot do not preempt each other, which would cost what
+    the caches hold. The system grants it to root and to users with an `rtprio` limit.
     """
     try:
         os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(_LOWEST))
@@ -32,8 +31,7 @@ def set_realtime() -> bool:
 def confine_realtime() -> None:
     """Keep real-time priority to the threads that have it: what these start has normal priority.
 
-    A thread that computes for long without any pause, where not even Python's own threads run,
-    makes the system end the process by SIGXCPU.
+    A thread that computes for long without any pause makes the system end the process by SIGXCPU.
     """
     for thread in _realtime_threads():
         os.sched_setscheduler(thread, os.SCHED_RR | _RESET, os.sched_param(_LOWEST))

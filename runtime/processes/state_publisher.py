@@ -29,8 +29,7 @@ _GOALS_AT_ONCE = 8  # messages that are looked at, however many came
 class StatePublisher:
     """Publishes what the sensors measured; the joint states last, which closes a period.
 
-    Being express, they take the others along: all of one period goes to each agent in one
-    packet and wakes it once. That saves a quarter of the time of all processors.
+    Being express, they take the others along: all of one period wakes each agent once.
     """
 
     def __init__(self, bus: Bus, sensors: Iterable[Sensor] = ()) -> None:
@@ -64,10 +63,8 @@ class StatePublisher:
 class GoalMemory:
     """Publishes the last goal again, whoever published it and however long ago.
 
-    The goal keeps the plant time that its source gave it, so a process that has a newer one is not
-    misled. An agent that is restarted after the goal's source was lost cannot get it from anywhere
-    else: the other agents may have been lost too, and publish no goal. Published before the state,
-    it also spares a new agent the period until the source's next message.
+    An agent that is restarted after the goal's source was lost can get it from nowhere else. The
+    goal keeps the plant time of its source, so a process that has a newer one is not misled.
     """
 
     def __init__(self, bus: Bus, refusals: Refusals) -> None:
@@ -89,10 +86,7 @@ class GoalMemory:
 
 
 class MotionLog:
-    """Formats the motion of one period as a line of JSON.
-
-    The truth, which is logged at up to 1 kHz, takes a few microseconds.
-    """
+    """Formats the motion of one period as a line of JSON, in a few microseconds."""
 
     def __init__(self, robot: Robot) -> None:
         def many(count: int) -> str:

@@ -1,4 +1,4 @@
-"""When a loop acts: at a fixed rate, when a decision is due, and on which of several states."""
+"""When a loop acts, and on which of several states."""
 
 import math
 import time
@@ -10,8 +10,7 @@ _AT_A_TIME = 0.1  # [s] of sleep, so that the end is noticed in between
 class Pacer:
     """Waits for one deadline after another, a period apart.
 
-    After an overrun, or a suspension of the process, it starts again from there: `missed` counts
-    deadlines that are not made up for.
+    After an overrun it starts again from there: `missed` counts deadlines that are not made up for.
     """
 
     def __init__(
@@ -43,18 +42,16 @@ _GOLDEN = (math.sqrt(5) - 1) / 2
 def apart(number: int) -> float:
     """Return a phase, 0 to 1, for a process's number: the phases of any few lie far apart.
 
-    With random phases, some of seven agents would decide on the same one of ten states in nearly
-    every run, and answers to it would always be late. Multiples of the golden ratio are spread
-    evenly for any count (Knuth 1998, "The Art of Computer Programming", 6.4).
+    Multiples of the golden ratio do (Knuth 1998, "The Art of Computer Programming", 6.4). With
+    random phases several agents would nearly always decide on the same state, and answer it late.
     """
     return _GOLDEN * number % 1.0
 
 
 class Cadence:
-    """Decides when an agent makes a new decision, if it receives states more often than that.
+    """Says when an agent is to decide anew, if it receives states more often than that.
 
-    Plant time is divided into intervals with a phase of the agent's own, so that agents do not all
-    decide at once, neither at the start nor after a common delay.
+    Agents decide at phases of their own in an interval of plant time, and so not all at once.
 
     Args:
         rest: Length of an interval [s]; 0 for a decision on every state.
@@ -76,9 +73,8 @@ class Cadence:
 class Backlog:
     """Finds, by their timestamps, states that a newer one has overtaken.
 
-    A state that arrives while the previous one is being answered has waited. If its timestamp is
-    several periods older than those of the fastest states, that many others wait behind it. If each
-    of them were answered, one delay would make many answers late.
+    If a state has waited, and is several periods older than the fastest were on arrival, that many
+    others wait behind it. If each were answered, one delay would make many answers late.
 
     Args:
         period: Time between two states [s, plant time].

@@ -40,8 +40,7 @@ def draw(log: RunLog, deployment: Deployment, events: Sequence[RunEvent], file: 
     above.legend()
     below = figure.add_subplot(grid[1, 1], sharex=above)
     if goal is not None:
-        error = np.linalg.norm(log.hand - goal, axis=-1)
-        _draw_error(below, log.t, error, deployment.tolerance)
+        _draw_error(below, log.t, np.linalg.norm(log.hand - goal, axis=-1), deployment.tolerance)
     below.set(xlabel="plant time [s]", ylabel="error of the hand [mm]")
     _mark(above, below, events, float(log.t[-1]))
     figure.savefig(file, dpi=110)

@@ -21,20 +21,17 @@ def smallest_distance(
     stuck: Collection[int] = (),
     roams: bool = False,
 ) -> float:
-    """Find the smallest distance between hand and goal that the arm can reach.
+    """Return the smallest distance [m] between hand and goal that the arm can reach.
 
     Cyclic coordinate descent, from `q` and from random postures.
 
     Args:
         robot: The robot.
-        goal: Position of the goal in the world [m], (3,).
+        goal: Position in the world [m], (3,).
         base: x, y [m] and heading [rad] of the platform in the world, (3,).
         q: Joint positions [rad or m], (n,).
         stuck: Indices (from 0) of the joints that stay where they are in `q`.
         roams: Whether the platform may go anywhere; otherwise it stays at `base`.
-
-    Returns:
-        The smallest distance found [m].
     """
     kinematics = Kinematics(robot)
     rng = np.random.default_rng(0)
@@ -63,8 +60,7 @@ def smallest_distance(
 def _turn(axis: Array, arm: Array, wanted: Array) -> Array:
     """Return the angle (...) about `axis` that brings `arm` nearest to `wanted`, all (..., 3)."""
     sine = np.sum(axis * np.cross(arm, wanted), axis=-1)
-    cosine = np.sum(arm * wanted, axis=-1) - np.sum(axis * arm, axis=-1) * np.sum(
-        axis * wanted, axis=-1
-    )
+    along = np.sum(axis * arm, axis=-1) * np.sum(axis * wanted, axis=-1)
+    cosine = np.sum(arm * wanted, axis=-1) - along
     turn: Array = np.arctan2(sine, cosine)
     return turn
