@@ -5,15 +5,10 @@ Exit codes: 0 if the hand ends within tolerance of the goal, 3 if it does not, 1
 
 import argparse
 from contextlib import ExitStack
-from functools import partial
-from typing import TYPE_CHECKING
 
 from runtime.config.options import add_deployment_options, load_from
 from runtime.launching.launcher import Launcher, prepare
 from runtime.watching.table import say
-
-if TYPE_CHECKING:
-    from runtime.watching.screen import Screen
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -57,16 +52,9 @@ def run(args: argparse.Namespace) -> int:
             from runtime.spawning.remote import RemoteProcesses
 
             processes = RemoteProcesses(folder, hosts, away=args.ssh)
-        make_screen = partial(_open_screen, deployment.duration)
-        outcome = Launcher(deployment, folder, make_screen, network, processes, args.host).go()
+        outcome = Launcher(deployment, folder, network, processes, args.host).go()
     from runtime.results.finishing import close
 
     summary, plot = close(deployment, folder, outcome, again)
     say(f"{summary.text()}\n{plot}".rstrip())
     return summary.code
-
-
-def _open_screen(duration: float | None) -> "Screen":
-    from runtime.watching.screen import open_screen
-
-    return open_screen(duration)

@@ -3,7 +3,7 @@
 import math
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from runtime.processes.plant_clock import BusClock
@@ -41,12 +41,12 @@ class View(NamedTuple):
         goal_message: The goal that is in force, as it was published; None if there is none.
     """
 
-    t: float
-    hand: Position | None
-    goal: Position | None
-    error: float | None
-    worst: float | None
-    rows: list[Row]
+    t: float = 0.0
+    hand: Position | None = None
+    goal: Position | None = None
+    error: float | None = None
+    worst: float | None = None
+    rows: Sequence[Row] = ()
     joints: JointStates | None = None
     platform: PlatformPose | None = None
     goal_message: GoalMessage | None = None
