@@ -20,7 +20,8 @@ from bench.msma_runs import ARPH, deployed
 from bench.timed_agent import PARTS
 from runtime.results.logs import read_log
 from runtime.results.run_log import read_run_log
-from runtime.spawning.tasks import ChildProcess, Task, spawn
+from runtime.spawning.forkserver import ChildProcess
+from runtime.spawning.tasks import Task, spawn
 from runtime.wire.topics import PLANT
 from studies.study import Progress, Row
 

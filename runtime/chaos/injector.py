@@ -116,7 +116,7 @@ class FaultInjector:
     def _revive(self, role: str) -> None:
         called = round(time.time(), 6)  # starting it is a part of what its return takes
         try:
-            pid = self._control.revive(role, self._deployment.host_of(role))
+            pid = self._control.processes.revive(role, self._deployment.host_of(role))
         except RunError as error:
             self._journal.happened(f"{role} cannot be started again: {error}")
         else:
@@ -148,7 +148,7 @@ class FaultInjector:
         elif role == WATCHER:
             pids = [watcher.pid for watcher in watchers(self._deployment.robot)]
         else:
-            pids = self._control.processes_of(role)
+            pids = self._control.processes.obeyed(role)
         if not pids:
             self._journal.happened(f"{role} is not there to be {to_be}")
         return pids

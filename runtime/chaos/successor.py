@@ -36,7 +36,7 @@ def inherit(run: Path, t: float) -> None:
     deployment = load(run / "deployment.yaml", only_role=PLANT)
     schedule = Schedule(deployment.chaos)
     hung = {due.event for due in schedule.due(t) if due.event.hang}
-    journal = Journal(run, "successor")
+    journal = Journal(deployment, run, "successor")
     journal.t = t
     journal.write("start", **start_line("successor", deployment.robot, run))
     journal.log.flush()

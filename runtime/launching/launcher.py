@@ -14,7 +14,7 @@ from runtime.chaos.successor import start_successor
 from runtime.config.chaos import ChaosEvent
 from runtime.config.deployment import Deployment
 from runtime.launching.journal import Journal
-from runtime.processes.lifetime import Lifetime, Shutdown
+from runtime.processes.lifetime import Shutdown
 from runtime.results.outcome import RunOutcome
 from runtime.spawning.local import LocalProcesses, ProcessGroup, end_all
 from runtime.spawning.registry import RegisteredRun, begin_run, forget, register
@@ -80,7 +80,7 @@ class Launcher:
         self._roles = {one.role for one in self._members}
         self._shutdown = Shutdown()
         self._processes = LocalProcesses(run) if processes is None else processes
-        self._journal = Journal(deployment, run, self._roles)
+        self._journal = Journal(deployment, run, "launcher", self._roles)
         self._view = View()
 
     def go(self) -> RunOutcome:
@@ -119,19 +119,9 @@ class Launcher:
     def _loop(self, refusals: ConnectionLog | None) -> None:
         """React to what is seen until the run is over, nothing is left, or it is interrupted."""
         of, journal, next_frame = self._deployment, self._journal, 0.0
-        life = Lifetime(
-            self._watcher.clock, patience=of.patience, duration=of.duration, speed=of.speed
-        )
         schedule = Schedule(filter(self._is_ours, of.chaos))
         injector = FaultInjector(
-            of,
-            self._control,
-            self._watcher,
-            journal.log,
-            show=journal.show,
-            happened=journal.happened,
-            start_successor=lambda t: start_successor(self._run, t),
-            network=self._network,
+            of, self._control, journal, lambda t: start_successor(self._run, t), self._network
         )
         while self._processes and not self._shutdown.wait(_TURN):
             view = self._view = self._watcher.look()
@@ -148,7 +138,7 @@ class Launcher:
                     journal.screen.show(view)
                 if refusals is not None:
                     refusals.look()
-            if life.over(now) or life.timed_out(now):
+            if self._watcher.clock.end(of, now):
                 return
 
     def _is_ours(self, event: ChaosEvent) -> bool:

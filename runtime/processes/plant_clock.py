@@ -47,17 +47,21 @@ class PlantClock:
 
 
 class BusClock(PlantClock):
-    """Plant time from the joint states on the bus, of the source that arbitration chooses."""
+    """Plant time from the joint states on the bus, of the source that arbitration chooses.
+
+    Attributes:
+        states: The joint states, as of the last look.
+    """
 
     def __init__(self, bus: Bus, now: float) -> None:
         super().__init__(now)
         self._ring = bus.ring(topics.JOINTS, _WAITING)
-        self._states = TopicInput(topics.JOINTS, JointStates, _FRESH, Refusals())
+        self.states = TopicInput(topics.JOINTS, JointStates, _FRESH, Refusals())
 
     def look(self, now: float) -> float:
         """Take the messages that have come until `now` [s], and return the time [s]."""
         for sample in self._ring.waiting(_WAITING):
-            message, chosen = self._states.accept(sample.data, now), self._states.selected(now)
+            message, chosen = self.states.accept(sample.data, now), self.states.selected(now)
             if message is not None and chosen is not None and chosen.message is message:
                 self.seen(message.t, now)
         return self.t

@@ -1,12 +1,10 @@
-"""Which process is meant, by its id and when it started: the id alone may be reused by now.
-
-psutil is imported where it is first needed, since that takes 15 ms.
-"""
+"""Which process is meant, by its id and when it started: the id alone may be reused by now."""
 
 import os
+import select
 import signal
 import socket
-import time
+from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple, Self
 
@@ -18,12 +16,7 @@ _DYING = 1.0  # [s] for a killed process to be gone
 
 
 class ProcessId(NamedTuple):
-    """A process of this machine.
-
-    Attributes:
-        pid: Its id.
-        started: When it started [s since 1970], as the system says.
-    """
+    """A process of this machine, which `started` [s since 1970], as the system says."""
 
     pid: int
     started: float
@@ -36,7 +29,7 @@ class ProcessId(NamedTuple):
     @classmethod
     def of(cls, pid: int) -> Self:
         """Return that of a process that is known to live, such as a child."""
-        from psutil import Process
+        from psutil import Process  # not before it is needed, since that takes 15 ms
 
         return cls(pid, Process(pid).create_time())
 
@@ -57,28 +50,25 @@ class ProcessId(NamedTuple):
 
         If it is killed, wait until it is gone, so that its port is free for a successor.
         """
-        if not self.lives():
-            return
-        try:
-            os.kill(self.pid, number)
-        except ProcessLookupError:
-            return
-        until = time.monotonic() + _DYING
-        while number == signal.SIGKILL and self.lives() and time.monotonic() < until:
-            time.sleep(0.001)
+        with suppress(ProcessLookupError):
+            if not hasattr(os, "pidfd_open"):  # not Linux: the id may be another's in between
+                if self.lives():
+                    os.kill(self.pid, number)
+                return
+            handle = os.pidfd_open(self.pid)  # from now on of one process, whatever has its id
+            try:
+                if self.lives():
+                    signal.pidfd_send_signal(handle, number)
+                    if number == signal.SIGKILL:
+                        select.select([handle], [], [], _DYING)
+            finally:
+                os.close(handle)
 
 
 def start_line(role: str, robot: str, run: Path) -> dict[str, object]:
     """Return what this process writes into the first line of its log, for `processes_in`."""
-    pid, started = ProcessId.own()
-    return {
-        "role": role,
-        "robot": robot,
-        "run": os.path.realpath(run),
-        "host": socket.gethostname(),
-        "pid": pid,
-        "started": started,
-    }
+    where = {"run": os.path.realpath(run), "host": socket.gethostname()}
+    return {"role": role, "robot": robot, **where, **ProcessId.own()._asdict()}
 
 
 def processes_in(run: Path, role: str) -> list[ProcessId]:
@@ -101,9 +91,7 @@ def obeyed_in(run: Path, role: str) -> ProcessId | None:
     """
     processes = processes_in(run, role)
     if len(processes) > 1:
-        starts = {line.get("by"): line.get("pid") for line in read_log(run, role, "start")}
-        for line in reversed(read_log(run, PLANT, "obeys")):
-            if line["role"] == role:
-                pid = starts.get(line["by"])
-                return next((one for one in processes if one.pid == pid), processes[-1])
+        pids = {line.get("by"): line.get("pid") for line in read_log(run, role, "start")}
+        obeys = [line["by"] for line in read_log(run, PLANT, "obeys") if line["role"] == role]
+        processes += [one for one in processes if obeys and one.pid == pids.get(obeys[-1])]
     return processes[-1] if processes else None

@@ -10,9 +10,9 @@ from typing import NamedTuple, Protocol
 
 from plant.errors import MsmaError
 from runtime.config.deployment import ProcessSpec
-from runtime.spawning.forkserver import ForkServer
+from runtime.spawning.forkserver import ChildProcess, ForkServer
 from runtime.spawning.identity import obeyed_in, processes_in
-from runtime.spawning.tasks import LOST, ChildProcess, Task, remove_empty
+from runtime.spawning.tasks import LOST, Task, remove_empty
 
 _TURN = 0.02  # [s] between two looks at the processes
 

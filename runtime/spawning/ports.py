@@ -3,11 +3,11 @@
 import errno
 import random
 import socket
-from collections.abc import Collection
+from collections.abc import Callable
 
 from runtime.wire import topics
 from runtime.wire.bus import Bus
-from runtime.wire.mesh import ALL_BASES, LOOPBACK, SLOTS, Address, Endpoints
+from runtime.wire.mesh import ALL_BASES, LOOPBACK, Address, Endpoints
 from runtime.wire.messages import Diag, unpack_valid
 
 _LOOKED_AT = 8  # ports of each robot: of plant, goal and the first agents
@@ -35,22 +35,15 @@ def _error(host: str, port: int) -> int:
     return 0
 
 
-def block_of(robot: str, usual: int, *, new: bool = False, reserved: Collection[int] = ()) -> int:
+def block_of(robot: str, usual: int, is_free: Callable[[int], bool] = lambda base: False) -> int:
     """Return the first port of the block where a robot answers, from its usual one on.
 
-    Args:
-        robot: Its name.
-        usual: The first port of its usual block, which is returned if no other is found.
-        new: Whether the first block that is free will do too.
-        reserved: The first ports of those that other robots will take.
+    The first block that `is_free` will do too. If there is none, it is the usual one.
     """
     first = ALL_BASES.index(usual)
     blocks: list[int] = [*ALL_BASES[first:], *ALL_BASES[:first]]
-    for base in blocks:
-        free = new and not any(is_taken(port) for port in range(base, base + SLOTS))
-        if base not in reserved and (free or robot in robots_at(base)):
-            return base
-    return usual
+    found = (base for base in blocks if is_free(base) or robot in robots_at(base))
+    return next(found, usual)
 
 
 def robots_at(*bases: int) -> set[str]:

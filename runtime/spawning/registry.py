@@ -9,7 +9,7 @@ import os
 import pwd
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Self
@@ -20,8 +20,9 @@ import msgspec
 from runtime.errors import RunError
 from runtime.processes.log_writer import new_run_folder
 from runtime.spawning.identity import ProcessId, processes_in
-from runtime.spawning.ports import block_of
+from runtime.spawning.ports import block_of, is_taken
 from runtime.spawning.trust import distrust, distrust_modules
+from runtime.wire.mesh import SLOTS
 from runtime.wire.topics import role_of_file
 
 if TYPE_CHECKING:
@@ -96,12 +97,12 @@ def _candidates() -> Iterator[Path]:
     yield Path(tempfile.gettempdir()) / f"msma-{os.geteuid()}"
 
 
-def runs_of(robot: str | None = None) -> list[RegisteredRun]:
-    """Return the runs of a robot, or all runs, that go on and are to be trusted; newest first.
+def runs_of(robot: str = "*", port: int | str = "*") -> list[RegisteredRun]:
+    """Return the runs of a robot, or at a port, that go on and are to be trusted; newest first.
 
     Those that have ended are forgotten.
     """
-    return [run for run in _all_runs(robot) if run.distrust() is None]
+    return [run for run in _all_runs(robot, port) if run.distrust() is None]
 
 
 def why_not(robot: str) -> str:
@@ -112,36 +113,37 @@ def why_not(robot: str) -> str:
     return f"this user has started no run of {robot} here"
 
 
-def _all_runs(robot: str | None) -> list[RegisteredRun]:
-    try:
-        files = list(registry().glob(f"{robot or '*'}.*.json"))
-    except RunError:
-        return []
+def _all_runs(robot: str, port: int | str = "*") -> list[RegisteredRun]:
     found = []
-    for file in files:
-        run = _read(file)
-        if run and run.deployment.exists() and (run.distrust() or run.lives()):
-            found.append(run)
-        else:
-            file.unlink(missing_ok=True)
+    for file in _files(robot, port):
+        with suppress(OSError, ValueError):
+            run = msgspec.json.decode(
+                file.read_bytes(), type=RegisteredRun, dec_hook=lambda _, text: Path(text)
+            )
+            if run.deployment.exists() and (run.distrust() or run.lives()):
+                found.append(run)
+                continue
+        file.unlink(missing_ok=True)
     return sorted(found, key=lambda run: run.process.started, reverse=True)
 
 
-def _read(file: Path) -> RegisteredRun | None:
+def _files(robot: str, port: int | str, folder: Path | None = None) -> list[Path]:
+    """Return the files of runs; those of a run's folder are the ones that this process made."""
+    which = "*" if folder is None else _identity(folder)
     try:
-        return msgspec.json.decode(file.read_bytes(), type=RegisteredRun, dec_hook=_path)
-    except (OSError, ValueError):
-        return None
+        return list(registry().glob(f"{robot}.{port}.{which}.json"))
+    except (OSError, RunError):
+        return []
 
 
-def _path(kind: type, text: str) -> Path:
-    return Path(text)
+def _identity(folder: Path) -> str:
+    return f"{crc32(bytes(folder)):08x}-{os.getpid()}"
 
 
 def register(run: RegisteredRun) -> None:
     """Note a run; if that cannot be, tools find it by its file only."""
     with suppress(OSError, RunError):
-        file = _file(run.robot, run.folder, run.process.pid)
+        file = registry() / f"{run.robot}.{run.port}.{_identity(run.folder)}.json"
         new = file.with_suffix(".new")
         new.write_bytes(msgspec.json.encode(run, enc_hook=str))
         new.replace(file)
@@ -149,27 +151,18 @@ def register(run: RegisteredRun) -> None:
 
 def forget(robot: str, folder: Path) -> None:
     """Take back what this process has noted of a run."""
-    with suppress(OSError, RunError):
-        _file(robot, Path(os.path.realpath(folder)), os.getpid()).unlink(missing_ok=True)
-
-
-def _file(robot: str, folder: Path, pid: int) -> Path:
-    return registry() / f"{robot}.{crc32(bytes(folder)):08x}.{pid}.json"
+    for file in _files(robot, "*", Path(os.path.realpath(folder))):
+        file.unlink(missing_ok=True)
 
 
 @contextmanager
 def _alone() -> Iterator[None]:
     """Keep other processes of this user from choosing ports meanwhile."""
-    try:
-        lock = os.open(registry() / "lock", os.O_RDWR | os.O_CREAT, 0o600)
-    except (OSError, RunError):
+    with ExitStack() as stack:
+        with suppress(OSError, RunError):
+            lock = stack.enter_context((registry() / "lock").open("w"))
+            fcntl.flock(lock, fcntl.LOCK_EX)
         yield
-        return
-    try:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        yield
-    finally:
-        os.close(lock)
 
 
 def begin_run(deployment: "Deployment") -> "tuple[Deployment, Path]":
@@ -212,8 +205,12 @@ def _with_ports(deployment: "Deployment") -> "Deployment":
     """
     if not deployment.has_usual_ports:
         return deployment
-    robot, runs = deployment.robot, runs_of()
-    known = [run.port for run in runs if run.robot == robot]
-    reserved = {run.port for run in runs}
-    port = known[0] if known else block_of(robot, deployment.port, new=True, reserved=reserved)
-    return replace(deployment, port=port)
+    robot = deployment.robot
+    known = [run.port for run in runs_of(robot)]
+    return replace(
+        deployment, port=known[0] if known else block_of(robot, deployment.port, _is_free)
+    )
+
+
+def _is_free(base: int) -> bool:
+    return not runs_of(port=base) and not any(map(is_taken, range(base, base + SLOTS)))

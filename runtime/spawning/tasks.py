@@ -9,7 +9,7 @@ import subprocess
 import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 from runtime.wire.topics import file_name
 
@@ -20,12 +20,10 @@ _SOURCES = Path(__file__).parents[2]
 
 
 class Task(NamedTuple):
-    """The task of a process: its role in a run.
+    """The task of a process: its role in the run of a folder.
 
     Attributes:
-        role: The role.
         copy: The host of a standby; None for the first process of the role.
-        run: The run's folder, which holds `deployment.yaml` and the logs.
     """
 
     role: str
@@ -69,23 +67,6 @@ def remove_empty(outs: Iterable[Path]) -> None:
     for out in outs:
         if out.exists() and out.stat().st_size == 0:
             out.unlink()
-
-
-class ChildProcess(Protocol):
-    """A process that this one started; `subprocess.Popen` is one."""
-
-    pid: int
-
-    def poll(self) -> int | None:
-        """Return its exit code, negative for a signal; None while it lives."""
-
-    def send_signal(self, number: int, /) -> None:
-        """Send it a signal, unless it has ended."""
-
-
-def start(task: Task) -> ChildProcess:
-    """Start a process by running Python anew: always possible, and takes about 0.3 s."""
-    return spawn("runtime.cli", task.arguments, task.out)
 
 
 def spawn(module: str, arguments: Sequence[str], out: Path) -> "subprocess.Popen[bytes]":

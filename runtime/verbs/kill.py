@@ -24,7 +24,7 @@ def run(args: argparse.Namespace) -> int:
     with visit(target) as bus:
         check_is_here(bus, args.role)
         control = Control(bus, LocalProcesses(target.run_with(args.role)))
-        pids = control.processes_of(args.role)
+        pids = control.processes.obeyed(args.role)
         if not pids:
             raise RunError(f"no process of {args.role} runs here")
         control.send(args.role, pids, SIGKILL)

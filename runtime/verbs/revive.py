@@ -18,7 +18,7 @@ def run(args: argparse.Namespace) -> int:
     began = time.monotonic()
     with ForkServer(args.role) as forkserver:  # it imports while this one looks for the robot
         from runtime.watching.discovery import target_of
-        from runtime.watching.reviving import revive
+        from runtime.watching.local import revive
 
         pid = revive(args.role, target_of(args), forkserver)
     print(f"{args.role} runs again, process {pid}, {time.monotonic() - began:.2f} s")

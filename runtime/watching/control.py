@@ -24,12 +24,13 @@ class Control:
     def __init__(
         self, bus: Bus, processes: ProcessGroup | None = None, timeout: float = _ANSWER
     ) -> None:
-        self._bus, self._group, self._timeout = bus, processes, timeout
+        self._bus, self._processes, self._timeout = bus, processes, timeout
 
     @property
-    def _processes(self) -> ProcessGroup:
-        assert self._group is not None, "made for requests only"
-        return self._group
+    def processes(self) -> ProcessGroup:
+        """The processes of the run, to signal and revive them."""
+        assert self._processes is not None, "made for requests only"
+        return self._processes
 
     def stop(self, role: str = "**") -> bool:
         """Ask all processes of a role to stop, by default all; return whether any agrees."""
@@ -53,19 +54,7 @@ class Control:
             raise FaultError(said)
         return said
 
-    def processes_of(self, role: str) -> list[int]:
-        """Return the id of a role's process, of copies that of the one obeyed; none if none is."""
-        return self._processes.obeyed(role)
-
     def send(self, role: str, pids: list[int], number: signal.Signals) -> None:
         """Send a signal to processes of a role: SIGKILL, SIGSTOP to let them hang, or SIGCONT."""
         for pid in pids:
-            self._processes.send(role, pid, number)
-
-    def revive(self, role: str, host: str) -> int:
-        """Start one more process for a role whose host that is, and return its id.
-
-        Raises:
-            RunError: It cannot be started.
-        """
-        return self._processes.revive(role, host)
+            self.processes.send(role, pid, number)

@@ -1,16 +1,21 @@
-"""The diagnostics that the processes of a robot answer, and which of them run on this host."""
+"""The processes of a robot that runs: what they answer, which run here, and reviving one."""
 
 import os
 import socket
+import time
 
 from runtime.errors import RunError
+from runtime.results.logs import read_log
+from runtime.spawning.forkserver import ForkServer
 from runtime.spawning.identity import ProcessId, processes_in
-from runtime.watching.discovery import Target
+from runtime.spawning.local import LocalProcesses
+from runtime.watching.discovery import Target, visit
 from runtime.wire import topics
 from runtime.wire.bus import Bus
 from runtime.wire.messages import Diag, unpack_valid
 
 _ANSWER = 1.0  # [s]
+_START = 10.0  # [s] for a revived process to be seen alive
 
 
 def diags(bus: Bus, role: str = "**") -> list[Diag]:
@@ -44,15 +49,43 @@ def watcher_title(robot: str) -> str:
 
 
 def silent_roles(bus: Bus, target: Target) -> dict[str, str]:
-    """Return the roles of the runs here that say nothing, and why, as far as is known."""
+    """Return the roles of the run here that say nothing, and why, as far as is known."""
     from runtime.config.deployment import load  # most of what a tool imports, if it does
 
-    answering = {diag.role for diag in diags(bus)}
-    silent = {}
+    answering, silent = {diag.role for diag in diags(bus)}, {}
     for run in target.runs[:1]:
         for role in load(run / "deployment.yaml", only_role=topics.PLANT).roles:
             if role not in answering:
                 processes = processes_in(target.run_with(role), role)
-                hangs = f"hangs, process {processes[-1].pid}" if processes else "is not there"
-                silent[role] = hangs
+                silent[role] = (
+                    f"hangs, process {processes[-1].pid}" if processes else "is not there"
+                )
     return silent
+
+
+def revive(role: str, target: Target, forkserver: ForkServer) -> int:
+    """Start a robot's role again, wait until it is seen alive, and return the process's id.
+
+    Raises:
+        RunError: It is alive, or does not come, or its run is not one that this user has started.
+        ConfigError: The run has no such role.
+    """
+    from runtime.config.deployment import load
+
+    began = time.monotonic()
+    with visit(target) as bus:
+        if diags(bus, role):
+            raise RunError(f"{role} is alive; `msma agent --copy` starts another beside it")
+        run = target.run_with(role)
+        host = ""  # which only a copy beside a process that hangs has to know
+        if processes_in(run, role) or not read_log(run, role, "start"):
+            host = load(run / "deployment.yaml", only_role=role).host_of(role)
+        processes = LocalProcesses(run, forkserver)
+        pid = processes.revive(role, host)
+        while not any(diag.pid == pid for diag in diags(bus, role)):
+            for ended in processes.ended():
+                raise RunError(f"{role} did not start: {ended.said}")
+            if time.monotonic() - began > _START:
+                raise RunError(f"{role}, process {pid}, is not seen alive")
+            time.sleep(0.02)
+    return pid

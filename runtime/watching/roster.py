@@ -18,8 +18,6 @@ class Row(NamedTuple):
     """One process as it is seen.
 
     Attributes:
-        role: Its role.
-        incarnation: Its incarnation.
         alive: Whether its liveliness token is there.
         since: Since when that is so [s, the watcher's clock].
         diag: Its last diagnostics; None before the first.
@@ -99,18 +97,17 @@ class Roster:
 
         A process without a token does not count, whatever it publishes.
         """
-        rows = [self._row(by) for by, entry in self._entries.items() if entry.announced]
+        rows = [self._row(by, one) for by, one in self._entries.items() if one.announced]
         there = {row.role for row in rows if row.alive}
         last = {row.role: row for row in rows if row.role not in there}
         shown = [row for row in rows if row.alive] + list(last.values())
         return sorted(shown, key=lambda row: (order(row.role), row.since))
 
-    def _row(self, incarnation: int) -> Row:
-        entry = self._entries[incarnation]
-        alive = entry.went is None
-        since = entry.came if entry.went is None else entry.went
-        answer = self._answers.get(entry.role) if alive else None
-        return Row(entry.role, incarnation, alive, since, entry.diag, answer)
+    def _row(self, by: int, entry: _Entry) -> Row:
+        if entry.went is not None:
+            return Row(entry.role, by, False, entry.went, entry.diag, None)
+        answer = self._answers.get(entry.role)
+        return Row(entry.role, by, True, entry.came, entry.diag, answer)
 
 
 def order(role: str) -> tuple[int, str, int]:

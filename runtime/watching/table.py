@@ -20,16 +20,8 @@ def cells(row: Row, now: float) -> tuple[str, ...]:
     state = diag.state if diag.state != "runs" or diag.perception == "none" else diag.perception
     rate = f"{diag.rate:.4g}" if row.alive else ""
     answer = "" if row.answer is None else milliseconds(row.answer)
-    return (
-        row.role,
-        str(diag.pid),
-        diag.host,
-        alive,
-        rate,
-        answer,
-        str(row.refused),
-        state if row.alive else "",
-    )
+    seen = (alive, rate, answer, str(row.refused), state if row.alive else "")
+    return (row.role, str(diag.pid), diag.host, *seen)
 
 
 def milliseconds(spread: Spread, *, worst: bool = False) -> str:

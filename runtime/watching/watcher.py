@@ -4,13 +4,14 @@ import math
 import threading
 import time
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import NamedTuple
 
 from runtime.processes.plant_clock import BusClock
 from runtime.watching.roster import Roster, Row
 from runtime.wire import topics
 from runtime.wire.arbitration import GoalInput, TopicInput
-from runtime.wire.bus import Bus, RingSubscriber
+from runtime.wire.bus import Bus
 from runtime.wire.messages import (
     Diag,
     EndEffectorPose,
@@ -68,15 +69,15 @@ class Watcher:
         self._worst: float | None = None
         refusals = Refusals()
         self._hand = TopicInput(topics.HAND, EndEffectorPose, _FRESH, refusals)
-        self._goal = GoalInput(_FRESH, refusals)
-        self._joints = TopicInput(topics.JOINTS, JointStates, _FRESH, refusals)
         self._platform = TopicInput(topics.PLATFORM, PlatformPose, _FRESH, refusals)
-        self._states: list[tuple[RingSubscriber, Callable[[bytes, float], object]]] = [
-            (bus.ring(topics.HAND, _AT_ONCE), self._hand.accept),
-            (bus.ring(topics.JOINTS, _AT_ONCE), self._joints.accept),
-            (bus.ring(topics.PLATFORM, _AT_ONCE), self._platform.accept),
-        ]
-        self._goals = [bus.ring(topic.key, _AT_ONCE) for topic in topics.STANDARD.percepts["goal"]]
+        self._goal = GoalInput(_FRESH, refusals)
+        inputs: dict[str, Callable[[bytes, float], object]] = {
+            topics.HAND: self._hand.accept,
+            topics.PLATFORM: self._platform.accept,
+        }
+        for topic in topics.STANDARD.percepts["goal"]:
+            inputs[topic.key] = partial(self._goal.accept, topic.key)
+        self._inputs = [(bus.ring(key, _AT_ONCE), accept) for key, accept in inputs.items()]
         bus.watch_alive(self._on_token)
         bus.subscribe(topics.EVERY_DIAG, self._on_diag)
 
@@ -107,14 +108,10 @@ class Watcher:
     def look(self) -> View:
         """Return what is known now."""
         now = time.monotonic()
-        for ring, accept in self._states:
+        for ring, accept in self._inputs:
             for arrival in ring.waiting(_AT_ONCE):
                 accept(arrival.data, now)
-        for goals in self._goals:
-            for arrival in goals.waiting(_AT_ONCE):
-                self._goal.accept(arrival.key, arrival.data, now)
         t, pose, message = self.clock.look(now), self._hand.fresh(now), self._goal.selected(now)
-        goal = None if message is None else goal_at(message, t)
         error = None
         if pose is not None and message is not None:
             error = math.dist(pose.position, goal_at(message, pose.t))
@@ -122,7 +119,8 @@ class Watcher:
         with self._lock:
             rows = self._roster.rows()
         hand = None if pose is None else pose.position
-        joints, platform = self._joints.fresh(now), self._platform.fresh(now)
+        goal = None if message is None else goal_at(message, t)
+        joints, platform = self.clock.states.fresh(now), self._platform.fresh(now)
         return View(t, hand, goal, error, self._worst, rows, joints, platform, message)
 
 

@@ -11,9 +11,9 @@ import pytest
 
 from runtime.config.deployment import ProcessSpec
 from runtime.spawning import forkserver as nurseries
-from runtime.spawning.forkserver import ForkServer
+from runtime.spawning.forkserver import ChildProcess, ForkServer
 from runtime.spawning.local import LocalProcesses
-from runtime.spawning.tasks import LOST, ChildProcess, Task
+from runtime.spawning.tasks import LOST, Task
 from tests.runtime.conftest import wait_for
 
 

@@ -6,7 +6,6 @@ import signal
 import socket
 import subprocess
 import sys
-import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -17,14 +16,29 @@ import pytest
 from runtime.spawning.identity import ProcessId, obeyed_in, processes_in, start_line
 from runtime.spawning.local import LocalProcesses
 
+STRANGER = """
+import signal
+signal.signal(signal.SIGUSR1, lambda *_: print("alive", flush=True))
+print("ready", flush=True)
+while True:
+    signal.pause()
+"""
+
 
 @pytest.fixture
 def stranger() -> Iterator["subprocess.Popen[bytes]"]:
     """Start a program of the same user that looks like an agent in the list of processes."""
-    words = ["-c", "import time; time.sleep(60)", "agent", "file", "joint/1"]
-    with subprocess.Popen([sys.executable, *words]) as process:
+    words = ["-c", STRANGER, "agent", "file", "joint/1"]
+    with subprocess.Popen([sys.executable, *words], stdout=subprocess.PIPE) as process:
+        assert said(process) == "ready"
         yield process
         process.kill()
+
+
+def said(process: "subprocess.Popen[bytes]") -> str:
+    """Return the next line of a program's output, which is empty if it has ended."""
+    assert process.stdout is not None
+    return process.stdout.readline().decode().strip()
 
 
 def log(folder: Path, changes: dict[str, Any]) -> None:
@@ -63,8 +77,25 @@ def test_another_program_that_has_the_id_by_now_is_never_signalled(
     processes.send("joint/1", stranger.pid, signal.SIGKILL)
     ProcessId(stranger.pid, 1e9).send(signal.SIGKILL)
     processes.tidy()
-    time.sleep(0.1)
-    assert stranger.poll() is None
+    stranger.send_signal(signal.SIGUSR1)  # which no process handles that was sent SIGKILL before
+    assert said(stranger) == "alive"
+
+
+def test_a_process_that_gets_the_id_while_a_signal_is_sent_does_not_get_that(
+    stranger: "subprocess.Popen[bytes]", monkeypatch: pytest.MonkeyPatch
+) -> None:
+    process, kill = ProcessId.of(stranger.pid), os.kill
+    sent: list[object] = []
+
+    def lives_no_longer(_: ProcessId) -> bool:
+        kill(stranger.pid, signal.SIGKILL)
+        stranger.wait(30)
+        return True
+
+    monkeypatch.setattr(ProcessId, "lives", lives_no_longer)
+    monkeypatch.setattr(os, "kill", lambda *given: sent.append(given))  # it goes by the id alone
+    process.send(signal.SIGKILL)
+    assert sent == []
 
 
 def test_a_process_that_is_killed_is_gone_when_that_returns(
