@@ -115,15 +115,15 @@ def why_not(robot: str) -> str:
 
 def _all_runs(robot: str, port: int | str = "*") -> list[RegisteredRun]:
     found = []
+    decode = msgspec.json.Decoder(RegisteredRun, dec_hook=lambda _, text: Path(text)).decode
     for file in _files(robot, port):
+        run = None
         with suppress(OSError, ValueError):
-            run = msgspec.json.decode(
-                file.read_bytes(), type=RegisteredRun, dec_hook=lambda _, text: Path(text)
-            )
-            if run.deployment.exists() and (run.distrust() or run.lives()):
-                found.append(run)
-                continue
-        file.unlink(missing_ok=True)
+            run = decode(file.read_bytes())
+        if run and run.deployment.exists() and (run.distrust() or run.lives()):
+            found.append(run)
+        else:
+            file.unlink(missing_ok=True)
     return sorted(found, key=lambda run: run.process.started, reverse=True)
 
 
