@@ -172,7 +172,7 @@ def _launch(run: Path) -> int:
     """Launch a run that is prepared, in a process of its own, so that chaos can kill it."""
     deployment = load(run / "deployment.yaml")
     try:
-        outcome = Launcher(deployment, run, lambda: None).go()
+        outcome = Launcher(deployment, run, shows=False).go()
     except RunError as error:
         print(error)
         return FAILED
