@@ -127,7 +127,6 @@ class Bus(AbstractContextManager["Bus"]):
             self._session = zenoh.open(config(robot, place, credentials))
         except zenoh.ZError as error:
             raise BusError(_why(robot, role, place, str(error))) from None
-        self._on_samples: list[CallbackSubscriber] = []
         self._asked = -math.inf  # when the last query came [s, monotonic]
 
     def __exit__(self, *_: object) -> None:
@@ -136,8 +135,6 @@ class Bus(AbstractContextManager["Bus"]):
     def close(self) -> None:
         """Leave the bus: a loop that waits for messages ends with `BusError`."""
         time.sleep(max(self._asked + _LINGER - time.monotonic(), 0.0))
-        for on_sample in self._on_samples:
-            on_sample.close()
         self._session.close()  # type: ignore[no-untyped-call] # an omission in zenoh's stubs
 
     def publisher(self, key: str, topic: Topic | None = None) -> Publisher:
@@ -177,8 +174,8 @@ class Bus(AbstractContextManager["Bus"]):
     ) -> CallbackSubscriber:
         """Return what reacts to each message on a key expression, and to silence, once it runs."""
         on_sample = CallbackSubscriber(reader(expression), react, silence, afterwards)
-        self._session.declare_subscriber(expression, direct_callback(on_sample.put))
-        self._on_samples.append(on_sample)
+        handler = direct_callback(on_sample.put, drop=on_sample.close)
+        self._session.declare_subscriber(expression, handler)
         return on_sample
 
     def subscribe(self, key: str, take: Callable[[str, bytes], None]) -> None:

@@ -66,15 +66,15 @@ def message_of(reading: type, key: str = "") -> type[ReadingMessage]:
         names = tuple(field.name for field in dataclasses.fields(reading))
     elif (names := getattr(reading, "_fields", ())) == ():
         what = f"its reading is {reading!r}, wanted a NamedTuple or a dataclass"
-        raise ContractError(f"topic {key!r}: {what}")
+        raise ContractError(key, what)
     hints, fields = get_type_hints(reading), []
     for name in names:
         if name in _TAKEN:
-            raise ContractError(f"topic {key!r}: every message has a field {name!r} of its own")
+            raise ContractError(key, f"every message has a field {name!r} of its own")
         kind = _wire_type(hints[name])
         if kind is None:
             what = f"{hints[name]}, wanted float, tuple[float, ...], int, bool or str"
-            raise ContractError(f"topic {key!r}: {reading.__name__}.{name} is {what}")
+            raise ContractError(key, f"{reading.__name__}.{name} is {what}")
         fields.append((f"{name}_", kind, msgspec.field(name=name)))
     message = msgspec.defstruct(
         f"{reading.__name__}Message",

@@ -77,6 +77,9 @@ TOPICS = (
 class ContractError(MsmaError, ValueError):
     """A topic that cannot be added: it says which, and why."""
 
+    def __init__(self, key: str, why: str) -> None:
+        super().__init__(f"topic {key!r}: {why}")
+
 
 class Contract:
     """The topics of one robot: those of every robot, and what its own plant and nodes add.
@@ -99,15 +102,14 @@ class Contract:
         }
 
     def _check(self, topic: Topic) -> None:
-        if not re.fullmatch(r"[a-z][a-z0-9_]*(/[a-z0-9_]+)*", topic.key):
+        key, percept = topic.key, topic.percept
+        if not re.fullmatch(r"[a-z][a-z0-9_]*(/[a-z0-9_]+)*", key):
             what = "a key is lower-case words with / between them, such as arm/force"
-            raise ContractError(f"topic {topic.key!r}: {what}")
-        if topic.key.partition("/")[0] in ("alive", "ctl", "diag") or self.topic_of(topic.key):
-            raise ContractError(f"topic {topic.key!r}: the wire contract has that key already")
-        if topic.percept is not None and any(topic.percept == each.percept for each in self.topics):
-            raise ContractError(
-                f"topic {topic.key!r}: there is a percept {topic.percept!r} already"
-            )
+            raise ContractError(key, what)
+        if key.partition("/")[0] in ("alive", "ctl", "diag") or self.topic_of(key):
+            raise ContractError(key, "the wire contract has that key already")
+        if percept is not None and any(percept == each.percept for each in self.topics):
+            raise ContractError(key, f"there is a percept {percept!r} already")
 
     def topic_of(self, key: str) -> Topic | None:
         """Return the topic that a key belongs to; None if the contract has no such key."""

@@ -11,7 +11,6 @@ import re
 import sys
 from collections.abc import Callable
 from contextlib import suppress
-from enum import StrEnum
 from typing import Self
 
 import zenoh
@@ -39,30 +38,18 @@ _JOINED = re.compile(r"Accepted TLS connection on \S+: (\S+)\. Common Name: (.*)
 _LARGE = 1 << 20  # bytes, after which the file is emptied
 
 
-class Rejection(StrEnum):
-    """Why a connection or message was refused; the value is for people."""
-
-    NOT_TLS = "not TLS"
-    NO_CERTIFICATE = "no certificate"
-    EXPIRED = "expired certificate"
-    TOO_EARLY = "certificate not good yet"
-    OTHER_AUTHORITY = "certificate of another authority"
-    DISTRUST = "trusts another authority"
-    NO_ROLE = "certificate of no role here"
-    NOT_ALLOWED = "not allowed"
-    OTHER = "no proper connection"
-
-
-_SIGNS = {
-    "Msg intercepted": Rejection.NOT_ALLOWED,
-    "did not match any configured ACL subject": Rejection.NO_ROLE,
-    "corrupt message": Rejection.NOT_TLS,
-    "sent no certificates": Rejection.NO_CERTIFICATE,
-    "certificate expired": Rejection.EXPIRED,
-    "certificate not valid yet": Rejection.TOO_EARLY,
-    "fatal alert: UnknownCA": Rejection.DISTRUST,
-    "invalid peer certificate": Rejection.OTHER_AUTHORITY,
+_NOT_ALLOWED, _OTHER = "not allowed", "no proper connection"
+_REASONS = {
+    "Msg intercepted": _NOT_ALLOWED,
+    "did not match any configured ACL subject": "certificate of no role here",
+    "corrupt message": "not TLS",
+    "sent no certificates": "no certificate",
+    "certificate expired": "expired certificate",
+    "certificate not valid yet": "certificate not good yet",
+    "fatal alert: UnknownCA": "trusts another authority",
+    "invalid peer certificate": "certificate of another authority",
 }
+"""Why a connection or message was refused, for people, by what the line says."""
 
 
 class ConnectionLog:
@@ -108,9 +95,9 @@ class ConnectionLog:
             if joined := _JOINED.fullmatch(said):
                 self._joined(joined[2], joined[1])
             return True
-        why = next((why for sign, why in _SIGNS.items() if sign in said), Rejection.OTHER)
-        if of_link or why is not Rejection.OTHER:
-            key = ACCESS_LIST if why is Rejection.NOT_ALLOWED else REJECTED_CONNECTIONS
+        why = next((why for sign, why in _REASONS.items() if sign in said), _OTHER)
+        if of_link or why != _OTHER:
+            key = ACCESS_LIST if why == _NOT_ALLOWED else REJECTED_CONNECTIONS
             self._refusals.count(key, why, said)
         return True
 

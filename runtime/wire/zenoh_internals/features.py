@@ -5,6 +5,7 @@ Everything works without each of them, and without all of them, if slower. The e
 """
 
 import os
+from contextlib import suppress
 from enum import StrEnum
 from functools import cache
 from pathlib import Path
@@ -55,11 +56,9 @@ def wanted(value: str | None) -> frozenset[str]:
 
 def _is_there(internal: Internal) -> bool:
     if internal in (Internal.DIRECT, Internal.GIL):
-        try:
-            Callback(lambda _: None, indirect=False)
-        except TypeError:
-            return False
-        return True
+        with suppress(TypeError):
+            return bool(Callback(print, indirect=False))
+        return False
     if internal is Internal.LINGER:
         return os.path.isdir("/dev/fd")
     if internal is Internal.LOG and not hasattr(os, "memfd_create"):
