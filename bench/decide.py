@@ -19,7 +19,6 @@ from plant.kinematics import Kinematics
 from plant.plant import Setup
 from plant.robot import Robot
 from plant.urdf import ROBOTS, load
-from studies import no_model
 from studies.arm_batch import PERIOD, ArmAgents
 from studies.study import Progress, Row
 
@@ -132,12 +131,8 @@ def _time_steps(sees: str, count: int) -> Callable[[], _StepRate]:
 
 def _arms() -> dict[str, tuple[Robot, Path, str]]:
     """Return the arms to compare on: robot, URDF file, and the link at its tip."""
-    seven = Path(no_model.__file__).with_name("seven.urdf")
-    return {
-        "arph": (load("arph"), ROBOTS / "arph.urdf", "grip"),
-        "planar5": (load("planar5"), ROBOTS / "planar5.urdf", "tip"),
-        "seven": (load(str(seven)), seven, "tip"),
-    }
+    tips = {"arph": "grip", "planar5": "tip", "seven": "tip"}
+    return {name: (load(name), ROBOTS / f"{name}.urdf", tip) for name, tip in tips.items()}
 
 
 def _forwards(robot: Robot, urdf: Path, tip: str) -> dict[str, Callable[[], float]]:

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, ClassVar, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -136,6 +136,11 @@ class Held(NamedTuple):
     position: float
     mimics: str = ""
 
+    @property
+    def unit(self) -> Literal["rad", "m"]:
+        """Of its position."""
+        return "m" if self.kind == "prismatic" else "rad"
+
 
 @dataclass(frozen=True, kw_only=True)
 class Drive:
@@ -145,7 +150,7 @@ class Drive:
     axle's middle. A holonomic base (omnidirectional wheels) also moves sideways.
 
     Attributes:
-        kind: Whether it can move sideways.
+        kind: Whether it moves, and sideways; a robot with a `fixed` base has no drive.
         max_linear: Largest speed forward or back [m/s].
         max_angular: Largest turning speed [rad/s].
         max_linear_acceleration: [m/s2].
@@ -156,27 +161,31 @@ class Drive:
         wheel_radius: [m]; None likewise.
     """
 
-    kind: Literal["differential", "holonomic"] = "differential"
-    max_linear: Annotated[float, "m/s"]
-    max_angular: Annotated[float, "rad/s"]
-    max_linear_acceleration: Annotated[float, "m/s2"]
-    max_angular_acceleration: Annotated[float, "rad/s2"]
+    kind: Literal["fixed", "differential", "holonomic"] = "differential"
+    max_linear: Annotated[float, "m/s"] = 0.0
+    max_angular: Annotated[float, "rad/s"] = 0.0
+    max_linear_acceleration: Annotated[float, "m/s2"] = 0.0
+    max_angular_acceleration: Annotated[float, "rad/s2"] = 0.0
     max_lateral: Annotated[float, "m/s"] | None = None
     track: Annotated[float, "m"] | None = None
     wheel_radius: Annotated[float, "m"] | None = None
 
-    def __post_init__(self) -> None:
-        """Refuse limits that are not positive, and a sideways speed of a differential drive."""
-        for name, value in vars(self).items():
-            if name != "kind" and value is not None and not value > 0.0:
-                raise RobotError(f"{name}: {value:g} must be positive")
-        if self.kind == "differential" and self.max_lateral is not None:
-            raise RobotError("max_lateral: a differential drive does not move sideways")
+    short: ClassVar[str] = "kind"
+    """Which attribute a file gives that gives only one."""
+
+    def check_limits(self) -> None:
+        """Raise `RobotError` unless it can move as its kind says."""
+        limits = "max_linear", "max_angular", "max_linear_acceleration", "max_angular_acceleration"
+        if slow := [name for name in limits if not getattr(self, name) > 0.0]:
+            what = "must be positive, such as max_linear: 0.5 m/s"
+            raise RobotError(f"base: {', '.join(slow)} of a {self.kind} one {what}")
+        if self.max_lateral is not None and (self.kind != "holonomic" or not self.max_lateral > 0):
+            raise RobotError("base: max_lateral is for a holonomic one only, and must be positive")
 
     @cached_property
     def max_velocity(self) -> Numbers:
         """The limits forward [m/s] and turning [rad/s], and sideways [m/s] if holonomic."""
-        if self.kind == "differential":
+        if self.kind != "holonomic":
             return self.max_linear, self.max_angular
         return self.max_linear, self.max_angular, self.max_lateral or self.max_linear
 
@@ -184,7 +193,7 @@ class Drive:
     def max_acceleration(self) -> Numbers:
         """The limits of the change of each velocity [m/s2], [rad/s2], [m/s2]."""
         both = self.max_linear_acceleration, self.max_angular_acceleration
-        return both if self.kind == "differential" else (*both, both[0])
+        return (*both, both[0]) if self.kind == "holonomic" else both
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,6 @@ and that those that do not know them skip:
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 
@@ -36,7 +35,7 @@ def load(
     path_or_name: str | Path,
     tip: str | None = None,
     locked: Mapping[str, float] | None = None,
-    base: Drive | Literal["fixed"] | None = None,
+    base: Drive | None = None,
 ) -> Robot:
     """Read a robot.
 
@@ -46,7 +45,7 @@ def load(
             moving joints. Wheels, fingers that move together and what branches off the chain take
             no part in it.
         locked: Joints that are held at that position [rad or m] and are not part of the arm.
-        base: What moves the base, or `fixed`; by default what the file says.
+        base: What moves the base; by default what the file says.
 
     Raises:
         RobotError: The file cannot be used; the message names the file, the line and the element,
@@ -62,19 +61,37 @@ def read(path_or_name: str | Path) -> Tree:
         content = path.read_bytes()
     except OSError as error:
         raise RobotError(f"{path}: cannot be read: {error.strerror or error}") from error
+    if path.suffix == ".xacro":
+        return Tree(parse(_expanded(path), f"{path}, expanded"))
     return Tree(parse(content, str(path)))
+
+
+def _expanded(path: Path) -> bytes:
+    """Return the URDF that a xacro file stands for."""
+    try:
+        from xacrodoc import XacroDoc
+    except ImportError:
+        what = "a xacro file needs the package xacrodoc; `pip install 'msma[xacro]'` installs it"
+        raise RobotError(f"{path}: {what}") from None
+    try:
+        text: str = XacroDoc.from_file(str(path)).to_urdf_string()
+    except Exception as error:  # whatever a macro does
+        raise RobotError(f"{path}: xacro says: {type(error).__name__}: {error}") from error
+    return text.encode()
 
 
 def robot_of(
     tree: Tree,
     tip: str | None = None,
     locked: Mapping[str, float] | None = None,
-    base: Drive | Literal["fixed"] | None = None,
+    base: Drive | None = None,
 ) -> Robot:
     """Return the robot of a file that has been read; arguments and errors as of `load`."""
     locked = locked or {}
     drive, wheels = drive_of(tree)
-    drive = drive if base is None else None if base == "fixed" else base
+    if base is not None and base.kind != "fixed":
+        base.check_limits()
+    drive = base or drive
     positions = tree.positions(locked)
     chain = tree.chain(default_tip(tree, wheels, locked) if tip is None else tip)
     moving = [name for name in chain if tree.kind(name) in MOVING and name not in locked]
@@ -100,7 +117,7 @@ def robot_of(
         tree.name,
         tuple(joints),
         pose,
-        drive,
+        None if drive is None or drive.kind == "fixed" else drive,
         shapes(tree, frames.anchor, "visual"),
         shapes(tree, frames.anchor, "collision"),
         inertials(tree, frames.anchor),

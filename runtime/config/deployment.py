@@ -17,7 +17,15 @@ from runtime.config.overrides import Override
 from runtime.config.random_chaos import RandomChaos
 from runtime.config.reading import Derived, kind_of
 from runtime.config.security import SecuritySpec
-from runtime.config.specs import AgentSpec, Description, GoalSpec, NodeSpec, PlantSpec, Start
+from runtime.config.specs import (
+    Agents,
+    AgentSpec,
+    Description,
+    GoalSpec,
+    NodeSpec,
+    PlantSpec,
+    Start,
+)
 from runtime.config.tree import ConfigError, YamlNode, read_file
 from runtime.errors import valid_are
 from runtime.processes.log_writer import LOG_MEGABYTES
@@ -91,7 +99,7 @@ class Deployment:
     start: Start
     plant: PlantSpec
     goal: GoalSpec | None = None
-    agents: tuple[AgentSpec, ...]
+    agents: Agents
     nodes: tuple[NodeSpec, ...] = ()
     chaos: tuple[ChaosEvent, ...] = ()
     random_chaos: RandomChaos | None = None

@@ -2,21 +2,23 @@
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Annotated, Any, ClassVar, Self
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Annotated, Any, ClassVar
 
 import numpy as np
 
 from agents.agent import Agent, Body
 from agents.paths import Path
 from plant import urdf
+from plant.packages import find as find_file
 from plant.plant import Plant, Setup
-from plant.robot import Robot
+from plant.robot import Drive, Robot
 from plant.units import written
 from runtime.config.classes import ClassName, ClassOf
 from runtime.config.hosts import Home, Homes
-from runtime.config.kinds import Quantity, Scope, Text, Whole
-from runtime.config.reading import Derived, Rest
+from runtime.config.kinds import Items, Kind, Quantity, Scope, Text, Whole
+from runtime.config.reading import Derived, Rest, kind_of
 from runtime.config.tree import Location, YamlNode
 from runtime.errors import valid_are
 from runtime.processes.node import Node
@@ -25,6 +27,7 @@ from runtime.wire.security import OPERATOR
 from runtime.wire.topics import GOAL_SOURCE, PLANT, Topic
 
 Role = Annotated[str, Text("joint/1", "a role", "[a-z][a-z0-9_-]*(/[0-9]+)?")]
+_EVERY_JOINT = "joint/*"
 _TAKEN = ("plant", "goal", "joint", "platform", "launcher", "watcher", "successor", OPERATOR, "ca")
 """Reserved role names: those of other processes, logs and certificates."""
 _PLANT = ClassOf("plant.kinematic:KinematicPlant", Plant, PLANT)
@@ -35,31 +38,52 @@ Position = Annotated[float, Quantity("30 deg", "rad or m")]
 
 
 @dataclass(frozen=True)
+class _Source(Kind):
+    """The name of one of our robots, or a path relative to the file that names it."""
+
+    def read(self, node: YamlNode, scope: Scope) -> str:
+        text = Text(self.such_as).read(node, scope)
+        packed = node.parent is not None and "package" in node.parent.children
+        is_path = bool(os.path.splitext(text)[1] or os.sep in text) and not packed
+        return str(node.location.absolute(text)) if is_path else text
+
+
+@dataclass(frozen=True, kw_only=True)
 class Description:
-    """The description of a robot.
+    """The description of a robot; plain text is its `file`.
 
     Attributes:
-        source: Name of one of our robots, or the path of a URDF file.
+        file: Name of one of our robots, or the path of a URDF or xacro file; with `package`, the
+            end of the path of one of its files.
+        package: An installed Python package that has the file, such as example-robot-data.
+        tip: The link whose frame is the tip, where several chains end.
+        locked: Joints that are held at that position [rad or m], without an agent.
+        base: What moves the base, or `fixed`; by default what the file says.
     """
 
-    source: str
-    robot: Robot = field(compare=False, repr=False)
+    file: Annotated[str, _Source("arph")]
+    package: str | None = None
+    tip: str | None = None
+    locked: Mapping[str, Position] | None = None
+    base: Drive | None = None
 
-    such_as: ClassVar[str] = "arph"
+    short: ClassVar[str] = "file"
 
-    @classmethod
-    def from_node(cls, node: YamlNode, scope: Scope) -> Self:
-        """Load the robot; a path is relative to the file that names it."""
-        source = Text(cls.such_as).read(node, scope)
-        if os.path.splitext(source)[1] or os.sep in source:
-            source = str(node.location.absolute(source))
+    @cached_property
+    def robot(self) -> Robot:
+        """The robot as it is described."""
+        path = find_file(self.package, self.file) if self.package else self.file
+        return urdf.load(path, self.tip, self.locked, self.base)
+
+    def check(self, node: YamlNode, scope: Scope) -> None:
+        """Refuse a robot that cannot be read, and locks in a wrong unit."""
         try:
-            return cls(source, urdf.load(source))
+            held = self.robot.held
         except (OSError, ValueError) as error:
             raise node.error(str(error)) from error
-
-    def __str__(self) -> str:
-        return self.source
+        for joint in held:
+            if joint.name in (self.locked or ()):
+                Quantity("0", joint.unit).read(node.find("locked", joint.name), scope)
 
 
 def parts_of(robot: Robot) -> tuple[str, ...]:
@@ -188,14 +212,15 @@ class AgentSpec:
     """One agent.
 
     Attributes:
-        role: What it moves: joint/1, joint/2 and so on, or platform.
+        role: What it moves: joint/1, joint/2 and so on, or platform; joint/* stands for an agent
+            of its own for each joint that is not named otherwise.
         class_: A class of agents, `module:Class`; its parameters are given beside it.
         host: Its host, by default the first one; with copies a list of hosts, by default that one
             and those after it.
         copies: Number of processes in the role; all but one are standbys.
     """
 
-    role: Role
+    role: Annotated[str, Text("joint/1", "a role", r"[a-z][a-z0-9_-]*(/([0-9]+|\*))?")]
     class_: Annotated[ClassName[Agent], ClassOf("agents.joint:JointAgent", Agent)]
     host: Homes
     copies: Annotated[int, Whole("2", least=1, most=8)] = 1
@@ -222,6 +247,33 @@ class AgentSpec:
             many = f"{len(self.host)} hosts but copies: {self.copies}; set copies: {len(self.host)}"
             raise node.find("host").error(many)
         self.class_.check(node, lambda: self.build(robot, scope["period"], [0]))
+
+
+@dataclass(frozen=True)
+class _Agents(Items):
+    """A list of agents, in which `joint/*` is replaced by one for each joint that is left."""
+
+    def read(self, node: YamlNode, scope: Scope) -> tuple[AgentSpec, ...]:
+        if isinstance(node.value, list):
+            robot: Robot = scope["description"].robot
+            left = [part for part in parts_of(robot) if part.startswith("joint/")]
+            left = [part for part in left if part not in {one.role for one in node.value}]
+            listed = list(node.value)
+            node.value.clear()
+            for one in listed:
+                for role in left if one.role == _EVERY_JOINT else [""]:
+                    node.put("+", _in_role(one, role) if role else one)
+        return super().read(node, scope)
+
+
+def _in_role(one: YamlNode, role: str) -> YamlNode:
+    """Return a copy of an agent's node for that role."""
+    copy = YamlNode(one.location, dict(one.children))
+    copy.put("role", YamlNode(one.children["role"].location, role))
+    return copy
+
+
+Agents = Annotated[tuple[AgentSpec, ...], _Agents("[...]", (kind_of(AgentSpec),), many=True)]
 
 
 @dataclass(frozen=True, kw_only=True)

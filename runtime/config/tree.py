@@ -73,7 +73,7 @@ class YamlNode:
         """The role that names an item of a list instead of its index; empty if there is none."""
         listed = self.parent is not None and isinstance(self.parent.value, list)
         role = self.children["role"].text if listed and "role" in self.children else ""
-        return role if re.fullmatch(r"[a-z][\w/-]*", role) else ""
+        return role if re.fullmatch(r"[a-z][\w/*-]*", role) else ""
 
     @property
     def text(self) -> str:

@@ -234,7 +234,7 @@ def test_a_lock_that_cannot_be_is_refused(locked: dict[str, float], message: str
 
 
 def test_a_base_can_be_fixed_or_driven_otherwise_than_the_file_says() -> None:
-    assert load("telescope", base="fixed").drive is None
+    assert load("telescope", base=Drive(kind="fixed")).drive is None
     drive = Drive(
         kind="holonomic",
         max_linear=0.5,

@@ -161,7 +161,7 @@ def test_paths_in_a_file_are_relative_to_it(folder: Path) -> None:
     goal = "{class: agents.paths:CsvPath, file: way.csv}"
     text = f"robot: x\ndescription: arm.urdf\nperiod: 1 ms\nagents: []\ngoal: {goal}\n"
     deployment = load(write(text, "deep/x.yaml"))
-    assert deployment.description.source == str(folder / "deep" / "arm.urdf")
+    assert deployment.description.file == str(folder / "deep" / "arm.urdf")
     assert deployment.goal is not None
     assert isinstance(deployment.goal.build(), CsvPath)
     write(deployment.dump(), "dump.yaml")
