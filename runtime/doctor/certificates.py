@@ -28,7 +28,7 @@ def check_certificates(deployment: Deployment) -> Iterator[Finding]:
             bad.append(str(error))
             break
         try:
-            expiries.append(verify(credentials, address, time.time()))
+            expiries.append(verify(credentials, address))
         except ConfigError as error:
             bad.append(f"{error}; replace all: {security.remedy(' --overwrite')}")
         file = credentials.private_key

@@ -5,7 +5,7 @@ import os
 import shutil
 import subprocess
 from collections.abc import Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import IO
@@ -108,9 +108,11 @@ def _check(deployment: Deployment) -> None:
 def _addressed(deployment: Deployment) -> Deployment:
     """Return the deployment, with new addresses unless those of the file can be used."""
     hosts = deployment.hosts
-    addresses = {spec.address for spec in hosts.values()}
-    if len(addresses) == len(hosts) and all(map(_is_usable, addresses)):
-        return deployment
+    with suppress(ValueError):
+        addresses = {ipaddress.IPv4Address(spec.address) for spec in hosts.values()}
+        taken = any(one.is_loopback or str(one) == _OUR_ADDRESS for one in addresses)
+        if len(addresses) == len(hosts) and not taken:
+            return deployment
     if deployment.security is not None:
         what = "with `security`, --rehearse needs an IPv4 address of its own for each host"
         raise ConfigError(f"{what}, none of them loopback: the certificates contain them")
@@ -119,11 +121,3 @@ def _addressed(deployment: Deployment) -> Deployment:
         for index, (name, spec) in enumerate(hosts.items())
     }
     return replace(deployment, hosts=numbered)
-
-
-def _is_usable(address: str) -> bool:
-    try:
-        parsed = ipaddress.IPv4Address(address)
-    except ValueError:
-        return False
-    return not parsed.is_loopback and address != _OUR_ADDRESS

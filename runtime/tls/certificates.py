@@ -105,8 +105,6 @@ def write_keys(
 ) -> None:
     """Create a key pair for each name, and write them and the authority's certificate.
 
-    Only the owner can read the private keys, and the folder if it is new.
-
     Raises:
         RunError: The files cannot be written.
     """

@@ -16,13 +16,13 @@ _NO_CHECK_TIME = 0x200000  # X509_V_FLAG_NO_CHECK_TIME of OpenSSL
 _INVALID_PURPOSE = 26  # X509_V_ERR_INVALID_PURPOSE of OpenSSL
 
 
-def verify(credentials: Credentials, address: str, now: float) -> float:
-    """Return when a certificate ends, if it can be used at an address `now` [s since 1970].
+def verify(credentials: Credentials, address: str) -> float:
+    """Return when a certificate ends [s since 1970], if it can be used at an address now.
 
     Raises:
         ConfigError: The certificate cannot be used; the message says why.
     """
-    file, content = credentials.certificate, _handshake(credentials)
+    file, content, now = credentials.certificate, _handshake(credentials), time.time()
     subject = dict(pair for part in content["subject"] for pair in part)
     name = subject.get("commonName", "")
     if name != credentials.name:
@@ -102,7 +102,7 @@ def verify_all(deployment: Deployment, host: str | None = None) -> None:
     for name, address in needed(deployment, host):
         credentials = deployment.security.credentials(name, deployment.roles)
         try:
-            verify(credentials, address, time.time())
+            verify(credentials, address)
         except ConfigError as error:
             what = f"{deployment.security.keys.file}: security.keys: {error}"
             raise ConfigError(f"{what}; see `msma doctor --file`") from None

@@ -17,7 +17,7 @@ from plant.errors import MsmaError
 from runtime.wire import topics
 from runtime.wire.mesh import Endpoints
 from runtime.wire.messages import Message, stamped
-from runtime.wire.samples import Sample, data_of, reader
+from runtime.wire.samples import Sample, data_of, sample_of
 from runtime.wire.security import Credentials
 from runtime.wire.session import config
 from runtime.wire.topics import Topic
@@ -76,12 +76,8 @@ def send_together(messages: Sequence[tuple[Publisher, Message]]) -> None:
 class RingSubscriber:
     """The last few messages on a key expression, for a loop that waits for them."""
 
-    def __init__(
-        self,
-        subscriber: zenoh.Subscriber[Handler[zenoh.Sample]],
-        read: Callable[[zenoh.Sample], Sample],
-    ) -> None:
-        self._subscriber, self._read = subscriber, read
+    def __init__(self, subscriber: zenoh.Subscriber[Handler[zenoh.Sample]]) -> None:
+        self._subscriber = subscriber
 
     def recv(self) -> Sample:
         """Wait for the oldest of them; `BusError` once the bus is closed."""
@@ -89,7 +85,7 @@ class RingSubscriber:
             sample = self._subscriber.recv()
         except zenoh.ZError as error:
             raise BusError(f"the bus is closed: {error}") from None
-        return self._read(sample)
+        return sample_of(sample)
 
     def waiting(self, most: int) -> Iterator[Sample]:
         """Yield those that wait already, at most that many, so that a flood has an end."""
@@ -100,7 +96,7 @@ class RingSubscriber:
                 raise BusError(f"the bus is closed: {error}") from None
             if sample is None:
                 return
-            yield self._read(sample)
+            yield sample_of(sample)
 
 
 class Bus(AbstractContextManager["Bus"]):
@@ -151,9 +147,7 @@ class Bus(AbstractContextManager["Bus"]):
 
     def ring(self, key: str, depth: int = 8) -> RingSubscriber:
         """Return the last `depth` messages on a key expression, for a loop to wait for."""
-        return RingSubscriber(
-            self._session.declare_subscriber(key, RingChannel(depth)), reader(key)
-        )
+        return RingSubscriber(self._session.declare_subscriber(key, RingChannel(depth)))
 
     def sample_queue(self, *expressions: str, depth: int = 4096) -> SampleQueue:
         """Return what comes on some key expressions, the last `depth` messages of it.
@@ -173,16 +167,14 @@ class Bus(AbstractContextManager["Bus"]):
         afterwards: Callable[[], None] = lambda: None,
     ) -> CallbackSubscriber:
         """Return what reacts to each message on a key expression, and to silence, once it runs."""
-        on_sample = CallbackSubscriber(reader(expression), react, silence, afterwards)
+        on_sample = CallbackSubscriber(react, silence, afterwards)
         handler = direct_callback(on_sample.put, drop=on_sample.close)
         self._session.declare_subscriber(expression, handler)
         return on_sample
 
     def subscribe(self, key: str, take: Callable[[str, bytes], None]) -> None:
         """Call `take` with key and bytes of each message, in a thread of the bus."""
-        self._session.declare_subscriber(
-            key, lambda sample: take(str(sample.key_expr), data_of(sample.payload))
-        )
+        self._session.declare_subscriber(key, lambda sample: take(*sample_of(sample)))
 
     def announce(self, role: str) -> None:
         """Be seen alive as long as the process lives and the bus is open."""

@@ -11,6 +11,7 @@ from typing import Annotated, Any, ClassVar, Self, cast, get_args, get_origin, g
 
 import msgspec
 from msgspec import Meta
+from msgspec.structs import astuple
 
 from plant.plant import Sensor
 from runtime.wire.messages import MOST_NUMBERS, Message, Number, check_printable, nil_for_nan
@@ -33,13 +34,10 @@ class ReadingMessage(Message, frozen=True, gc=False):
         return cls(t, *(_lost_as_nil(getattr(reading, name)) for name in cls.names))
 
     def check(self) -> None:
-        check_printable(*(value for value in self._values() if isinstance(value, str)))
+        check_printable(*(value for value in astuple(self) if isinstance(value, str)))
 
     def percept(self) -> Any:
-        return self.reading(*map(_nil_as_lost, self._values()))
-
-    def _values(self) -> tuple[Any, ...]:
-        return tuple(getattr(self, f"{name}_") for name in self.names)
+        return self.reading(*(_nil_as_lost(getattr(self, f"{name}_")) for name in self.names))
 
 
 def own_topic(key: str, reading: type, percept: str | None = None, *, publisher: str = "") -> Topic:

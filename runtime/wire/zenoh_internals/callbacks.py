@@ -95,7 +95,6 @@ class CallbackSubscriber:
     that called `run`, each with all messages that wait by then. The receiving thread never waits.
 
     Args:
-        read: Reads a sample.
         react: Called with what came, the oldest first, and with the time [s, monotonic]; never by
             two threads at once.
         silence: If nothing comes for so long [s] it is called as well, with nothing; None: never.
@@ -105,12 +104,11 @@ class CallbackSubscriber:
 
     def __init__(
         self,
-        read: Callable[[zenoh.Sample], Sample],
         react: Callable[[Sequence[Sample], float], None],
-        silence: float | None = None,
-        afterwards: Callable[[], None] = lambda: None,
+        silence: float | None,
+        afterwards: Callable[[], None],
     ) -> None:
-        self._read, self._react, self._silence = read, react, silence
+        self._react, self._silence = react, silence
         self._afterwards, self._deferred = afterwards, False
         self._received = False  # anything since it was looked whether there is silence
         self._busy = threading.Lock()
@@ -125,11 +123,11 @@ class CallbackSubscriber:
         self._received = True
         elsewhere = self._budget.exceeded or self._waiting
         if elsewhere or not self._busy.acquire(blocking=False):
-            self._waiting.append(self._read(sample))
+            self._waiting.append(sample_of(sample))
             self._awake.set()
             return
         try:
-            self._timed_reaction((self._read(sample),))
+            self._timed_reaction((sample_of(sample),))
         except Exception as error:  # it is the caller of `run` that has to know
             self._error = error
             self._awake.set()
