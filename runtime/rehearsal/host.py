@@ -1,6 +1,5 @@
 """A virtual host: the first process of its namespaces; all others end with it."""
 
-import signal
 import socket
 import sys
 
@@ -13,7 +12,6 @@ def main() -> int:
     """Serve the launcher: `host NAME`."""
     name = sys.argv[1]
     setproctitle(f"msma share {name}, a rehearsal's host")
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the launcher handles Ctrl-C
     socket.sethostname(name)
     return serve(stays=False)
 

@@ -7,7 +7,6 @@ import heapq
 import os
 import random
 import selectors
-import signal
 import socket
 import sys
 import time
@@ -94,7 +93,6 @@ class Switch:
 def main() -> None:
     """Pass packets on until standard input closes: `switch SEED FILE=ADDRESS=NAME...`."""
     setproctitle("msma rehearsal switch")
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the launcher handles Ctrl-C
     links = Links(random.Random(int(sys.argv[1])))
     hosts = [each.split("=", 2) for each in sys.argv[2:]]
     addresses = {socket.inet_aton(address): name for _, address, name in hosts}

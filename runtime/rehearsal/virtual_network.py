@@ -2,7 +2,6 @@
 
 import ipaddress
 import os
-import shutil
 import subprocess
 from collections.abc import Sequence
 from contextlib import ExitStack, suppress
@@ -74,7 +73,7 @@ class VirtualNetwork(ExitStack):
             stdout=subprocess.PIPE,
             stderr=stderr,
             pass_fds=pass_fds,
-            start_new_session=True,
+            start_new_session=True,  # where no Ctrl-C reaches it
             env=environment(),
         )
         self.enter_context(process)
@@ -97,8 +96,6 @@ def _check(deployment: Deployment) -> None:
         raise ConfigError("--rehearse creates network namespaces and must run as root: use sudo")
     if not os.path.exists("/dev/net/tun"):
         raise ConfigError("--rehearse needs /dev/net/tun: load it with `modprobe tun`")
-    if shutil.which("unshare") is None:
-        raise ConfigError("--rehearse needs `unshare`: install the package util-linux")
     for index, event in enumerate(deployment.chaos):
         if (event.kill or event.hang) == WATCHER or event.kill == LAUNCHER:
             what = f"chaos.{index}: --rehearse cannot {event.action} the {event.target}"

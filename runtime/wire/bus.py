@@ -149,12 +149,12 @@ class Bus(AbstractContextManager["Bus"]):
         """Return the last `depth` messages on a key expression, for a loop to wait for."""
         return RingSubscriber(self._session.declare_subscriber(key, RingChannel(depth)))
 
-    def sample_queue(self, *expressions: str, depth: int = 4096) -> SampleQueue:
-        """Return what comes on some key expressions, the last `depth` messages of it.
+    def sample_queue(self, *expressions: str) -> SampleQueue:
+        """Return the last messages that come on some key expressions.
 
         The thread that receives a message puts it there: that saves a change of threads.
         """
-        sample_queue = SampleQueue(depth)
+        sample_queue = SampleQueue()
         for expression in expressions:
             self._session.declare_subscriber(expression, direct_callback(sample_queue.put))
         return sample_queue

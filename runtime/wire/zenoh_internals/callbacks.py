@@ -21,6 +21,7 @@ from runtime.wire.zenoh_internals.features import Internal, uses
 _SHORT = 0.005  # [s] that one reaction may keep the receiving thread
 _BUDGET = 0.03  # [s] beyond that which reactions may take together
 _LEAK = 0.005  # of the time that passes, by which that is made up for: 0.2 s take 40 s
+_KEPT = 4096  # messages in a queue of samples
 _AT_ONCE = 16  # messages that wait for a reaction elsewhere, at most
 
 _thread = threading.local()
@@ -54,8 +55,8 @@ def direct_callback(
 class SampleQueue:
     """What came lately, with the time of each arrival, for a loop that has a clock of its own."""
 
-    def __init__(self, depth: int) -> None:
-        self._items: deque[tuple[float, zenoh.Sample]] = deque(maxlen=depth)
+    def __init__(self) -> None:
+        self._items: deque[tuple[float, zenoh.Sample]] = deque(maxlen=_KEPT)
 
     def put(self, sample: zenoh.Sample) -> None:
         """Take a sample from the bus's thread: it costs that thread next to nothing."""
