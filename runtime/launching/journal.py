@@ -22,11 +22,10 @@ class Journal:
     Args:
         deployment: What runs.
         run: The run's folder.
-        role: Who notes it: the launcher, or its successor.
+        role: Who notes it, into a log of its own: the launcher, or its successor.
         starting: The roles that are started here.
 
     Attributes:
-        log: Its log.
         t: Plant time [s].
         events: What no process logs itself.
         starting: The roles that no process has been seen in yet.

@@ -4,6 +4,7 @@ No process needs it: once they run, it may be killed and the others go on.
 """
 
 import signal
+import sys
 import time
 from contextlib import ExitStack
 from pathlib import Path
@@ -38,10 +39,7 @@ def prepare(
 ) -> tuple[Deployment, Path]:
     """Make the folder of a run, and return it with the deployment as resolved, also in it.
 
-    Args:
-        deployment: What is to run.
-        network: Carries out chaos between hosts; None if nothing can.
-        host: The host whose share of it is run, by default all.
+    The arguments are those of `Launcher`.
 
     Raises:
         ConfigError: Nothing here can carry out the chaos, or keys are not good.
@@ -56,7 +54,7 @@ class Launcher:
     """Starts the processes of a run and stays with it to its end.
 
     Args:
-        deployment: The deployment.
+        deployment: What runs, as resolved.
         run: The run's folder.
         network: Carries out chaos between hosts; None if nothing can.
         processes: Starts and ends processes; by default on this machine.
@@ -107,9 +105,9 @@ class Launcher:
             self._watcher = Watcher(bus)
             self._control = Control(bus, self._processes, ANSWER)
             if self._shows:
-                from runtime.watching.screen import open_screen  # imports rich, which takes time
+                from runtime.watching.screen import LiveTable, Screen  # takes time, for rich
 
-                journal.screen = open_screen(of.duration)
+                journal.screen = (LiveTable if sys.stdout.isatty() else Screen)(of.duration)
                 cleanup.callback(journal.screen.close)
             self._loop(refusals)
             self._finish()

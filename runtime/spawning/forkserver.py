@@ -1,7 +1,7 @@
 """The forkserver: it forks the processes of a robot, once it has imported what they need.
 
-To start a new Python takes 0.2 s, nearly all of it for imports; a fork takes milliseconds. And all
-forks have the same code at the same addresses, which suits the caches of the processor.
+A new Python takes 0.2 s, nearly all of it for imports; a fork takes milliseconds. And all forks
+have the same code at the same addresses, which suits the caches of the processor.
 """
 
 import gc
@@ -70,16 +70,12 @@ class ForkServer(AbstractContextManager["ForkServer"]):
         """Return the number that the forkserver answers; None if it is not there."""
         if self._line is None:
             return None
-        try:
+        with suppress(OSError, ValueError):
             self._line.send(json.dumps(words).encode())
-            answer = self._line.recv(_LONGEST)
-        except OSError:
-            answer = b""
-        if not answer:  # it was killed, or stopped
-            self.close()
-            return None
-        number: int = json.loads(answer)
-        return number
+            number: int = json.loads(self._line.recv(_LONGEST))
+            return number
+        self.close()  # it was killed, or stopped
+        return None
 
 
 class _Copy:
@@ -163,21 +159,20 @@ def _tend(role: str | None, ours: socket.socket, line: socket.socket) -> int:
 
 def _do(task: Task, line: socket.socket) -> int:
     """Do a task, as a process by itself."""
+
+    def run() -> int:
+        from runtime.config.deployment import ProcessSpec, load
+        from runtime.processes.roles import live
+
+        deployment = load(task.file, only_role=task.role)
+        home, copy = task.copy or deployment.host_of(task.role), task.copy is not None
+        return live(deployment, ProcessSpec(task.role, home, copy), task.file, task.run)
+
     line.close()
     _leave_the_parent(task.out)
     shown = task.arguments[:3] + ["--copy"] * (task.copy is not None)
     setproctitle(" ".join(("msma", *shown)))
-    return exit_code(partial(_live, task))
-
-
-def _live(task: Task) -> int:
-    from runtime.config.deployment import ProcessSpec, load
-    from runtime.processes.roles import live
-
-    deployment = load(task.file, only_role=task.role)
-    home = task.copy or deployment.host_of(task.role)
-    member = ProcessSpec(task.role, home, copy=task.copy is not None)
-    return live(deployment, member, task.file, task.run)
+    return exit_code(run)
 
 
 def _leave_the_parent(out: Path) -> None:
@@ -186,9 +181,6 @@ def _leave_the_parent(out: Path) -> None:
     signal.set_wakeup_fd(-1)
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.SIG_DFL)
-    nothing = os.open(os.devnull, os.O_RDONLY)
-    written = os.open(out, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o644)
-    for here, there in ((nothing, 0), (written, 1), (written, 2)):
-        os.dup2(here, there)
-    os.close(nothing)
-    os.close(written)
+    with open(os.devnull, "rb") as nothing, out.open("ab") as written:
+        for here, there in ((nothing, 0), (written, 1), (written, 2)):
+            os.dup2(here.fileno(), there)

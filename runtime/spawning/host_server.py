@@ -9,7 +9,6 @@ import select
 import shutil
 import signal
 import tarfile
-import time
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
@@ -39,15 +38,15 @@ def serve(*, stays: bool) -> int:
     signal.signal(signal.SIGTERM, lambda *_: server.end())
     try:
         with open(0, "rb", buffering=0, closefd=False) as requests:
-            while not server.ended:
-                server.report_exits()
-                if select.select([requests], [], [], _TURN)[0]:
-                    if not (line := requests.readline()):
-                        break
-                    server.carry_out(json.loads(line))
-        while stays and server.processes and not server.ended:
-            server.report_exits()
-            time.sleep(_TURN)
+            listening = [requests]
+            while not server.ended and (listening or (stays and server.processes)):
+                for one in server.processes.ended():
+                    _report_exit(one)
+                if select.select(listening, [], [], _TURN)[0]:
+                    if line := requests.readline():
+                        server.carry_out(json.loads(line))
+                    else:
+                        listening.clear()
     finally:
         server.forget()
     return 0
@@ -74,11 +73,6 @@ class _HostServer:
                 _say(said="started", number=number, pids=pids)
         except (MsmaError, OSError) as error:
             _say(said="refused", number=number, why=str(error))
-
-    def report_exits(self) -> None:
-        """Report the processes that have ended."""
-        for one in self.processes.ended():
-            _report_exit(one)
 
     def end(self) -> None:
         """End all processes, by force in the end."""

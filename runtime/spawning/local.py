@@ -12,7 +12,7 @@ from plant.errors import MsmaError
 from runtime.config.deployment import ProcessSpec
 from runtime.spawning.forkserver import ChildProcess, ForkServer
 from runtime.spawning.identity import obeyed_in, processes_in
-from runtime.spawning.tasks import LOST, Task, remove_empty
+from runtime.spawning.tasks import LOST, Task, last_line, remove_empty
 
 _TURN = 0.02  # [s] between two looks at the processes
 
@@ -168,7 +168,7 @@ class LocalProcesses(ProcessGroup):
         polled = [(task, child, child.poll()) for task, child in self._living]
         self._living = [(task, child) for task, child, code in polled if code is None]
         return [
-            ProcessExit(task.role, child.pid, code, task.said)
+            ProcessExit(task.role, child.pid, code, last_line(task.out))
             for task, child, code in polled
             if code is not None
         ]

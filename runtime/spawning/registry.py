@@ -33,7 +33,6 @@ class RegisteredRun(msgspec.Struct, frozen=True):
     """A run that this user has started.
 
     Attributes:
-        robot: The robot's name.
         folder: The run's folder, with the deployment as resolved, and the logs.
         port: The first of the robot's ports.
         modules: The folder of the classes that the deployment may name.
@@ -83,10 +82,8 @@ def registry() -> Path:
             why = f"{folder}: {error.strerror}"
             continue
         real = Path(os.path.realpath(folder))
-        distrusted = distrust(real)
-        if distrusted is None:
+        if not (why := distrust(real) or ""):
             return real
-        why = distrusted
     raise RunError(f"there is no private folder to note what runs: {why}")
 
 
@@ -203,13 +200,11 @@ def _with_ports(deployment: "Deployment") -> "Deployment":
 
     A port that its file sets stays, and so does one that other hosts have to know.
     """
-    if not deployment.has_usual_ports:
-        return deployment
-    robot = deployment.robot
-    known = [run.port for run in runs_of(robot)]
-    return replace(
-        deployment, port=known[0] if known else block_of(robot, deployment.port, _is_free)
-    )
+    robot, port = deployment.robot, deployment.port
+    if deployment.has_usual_ports:
+        known = [run.port for run in runs_of(robot)]
+        port = known[0] if known else block_of(robot, port, _is_free)
+    return replace(deployment, port=port)
 
 
 def _is_free(base: int) -> bool:

@@ -238,17 +238,15 @@ class RemoteProcesses(ProcessGroup):
         for host in self._hosts.values():
             if self._away and host.process.poll() is None:
                 host.bring()
-        for host in self._hosts.values():
             assert host.process.stdin is not None
             with suppress(OSError):
                 host.process.stdin.close()
         until = time.monotonic() + _LEAVE
         for host in self._hosts.values():
-            try:
+            with suppress(subprocess.TimeoutExpired):
                 host.process.wait(max(until - time.monotonic(), 0.0))
-            except subprocess.TimeoutExpired:
-                host.process.kill()
-                host.process.wait()
+            host.process.kill()
+            host.process.wait()
         remove_empty(self._run.glob("*.out"))
 
 

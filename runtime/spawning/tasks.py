@@ -46,11 +46,6 @@ class Task(NamedTuple):
         """The file of its output."""
         return self.run / f"{file_name(self.role)}.out"
 
-    @property
-    def said(self) -> str:
-        """The last line of its output."""
-        return last_line(self.out)
-
 
 def last_line(out: Path, without: str | None = None) -> str:
     """Return the last line of a process's output that is not empty and does not contain a text."""

@@ -4,6 +4,7 @@ import grp
 import os
 import pwd
 import stat
+from contextlib import suppress
 from pathlib import Path
 
 
@@ -20,7 +21,9 @@ def distrust(path: Path) -> str | None:
         if stat.S_ISLNK(status.st_mode):
             return f"{part} is a symbolic link"
         if status.st_uid not in (os.geteuid(), 0):
-            return f"{part} belongs to {_user(status.st_uid)}"
+            with suppress(KeyError):
+                return f"{part} belongs to user {part.owner()}"
+            return f"{part} belongs to user {status.st_uid}"
         if stat.S_ISDIR(status.st_mode) and status.st_mode & stat.S_ISVTX:
             continue  # as /tmp: nobody can replace what others have in it
         if status.st_mode & stat.S_IWOTH:
@@ -37,19 +40,11 @@ def distrust_modules(folder: Path) -> str | None:
     return next((why for why in checked if why is not None), None)
 
 
-def _user(uid: int) -> str:
-    try:
-        return f"user {pwd.getpwuid(uid).pw_name}"
-    except KeyError:
-        return f"user {uid}"
-
-
 def _is_own_group(gid: int) -> bool:
     """Tell whether a group has no member but this user, as many systems make one for each user."""
     try:
         user, group = pwd.getpwuid(os.geteuid()), grp.getgrgid(gid)
     except KeyError:
         return False
-    return (gid, group.gr_name) == (user.pw_gid, user.pw_name) and set(group.gr_mem) <= {
-        user.pw_name
-    }
+    named = (gid, group.gr_name) == (user.pw_gid, user.pw_name)
+    return named and set(group.gr_mem) <= {user.pw_name}

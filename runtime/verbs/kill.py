@@ -1,13 +1,14 @@
 """Kill the process of a role on this host with SIGKILL."""
 
 import argparse
+import socket
 from signal import SIGKILL
 
 from runtime.errors import RunError
 from runtime.spawning.local import LocalProcesses
 from runtime.watching.control import Control
 from runtime.watching.discovery import add_target_options, target_of, visit
-from runtime.watching.local import check_is_here
+from runtime.watching.local import diags
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -22,7 +23,10 @@ def run(args: argparse.Namespace) -> int:
     """Kill the process; of several copies the one whose commands are accepted."""
     target = target_of(args)
     with visit(target) as bus:
-        check_is_here(bus, args.role)
+        hosts = {diag.host for diag in diags(bus, args.role)}
+        if hosts and socket.gethostname() not in hosts:
+            where = ", ".join(sorted(hosts))
+            raise RunError(f"{args.role} runs on {where}: use this command there")
         control = Control(bus, LocalProcesses(target.run_with(args.role)))
         pids = control.processes.obeyed(args.role)
         if not pids:

@@ -12,12 +12,11 @@ _ANSWER = 1.0  # [s] to wait for the answer to a request
 
 
 class Control:
-    """Acts on a run: on the processes by signals, on what answers on the bus by requests.
+    """Acts on a run: on its processes by signals, on what answers on the bus by requests.
 
     Args:
         bus: The robot's bus.
-        processes: The processes of the run: those that a launcher has started, here or on other
-            hosts, or those of a run that was found; None if requests are enough.
+        processes: The processes that were started or found; None if requests are enough.
         timeout: How long a request waits for its answer [s].
     """
 
@@ -37,10 +36,7 @@ class Control:
         return any(answer.agreed for answer in self._bus.ask(topics.stop(role), b"", self._timeout))
 
     def fault(self, text: str) -> str:
-        """Ask the plant for a fault in its text form, such as `joint/1:locked`.
-
-        Returns:
-            What the plant answers.
+        """Ask the plant for a fault, such as `joint/1:locked`, and return its answer.
 
         Raises:
             RunError: No plant answers.

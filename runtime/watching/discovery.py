@@ -1,7 +1,7 @@
 """How a tool finds the robot that is meant: by name, by file, or as the only one that runs.
 
-A run that this user started on this machine is in the registry, with all that the tool needs. Any
-other is asked for on the ports of this machine: then nothing is known of its files.
+A run that this user started on this machine is in the registry, with all that the tool needs.
+Others are asked for on the ports of this machine, and nothing is known of their files.
 """
 
 import argparse
@@ -35,9 +35,7 @@ class Target(NamedTuple):
     """A robot to visit.
 
     Attributes:
-        robot: Its name.
-        mesh: Where its processes are.
-        credentials: What to show them, where certificates are asked for.
+        credentials: What to show its processes, where certificates are asked for.
         runs: The folders of its runs on this machine that this user has started, or has named.
     """
 
@@ -47,11 +45,7 @@ class Target(NamedTuple):
     runs: tuple[Path, ...] = ()
 
     def run_with(self, role: str) -> Path:
-        """Return the folder of the run that has the role, or may have it.
-
-        Raises:
-            RunError: No run is known that can be trusted.
-        """
+        """Return the folder of the run that has the role; `RunError` if none can be trusted."""
         if not self.runs:
             raise RunError(
                 f"{why_not(self.robot)}: if you trust the files of the run, name its deployment: "
@@ -63,16 +57,15 @@ class Target(NamedTuple):
 
 def target_of(args: argparse.Namespace) -> Target:
     """Return the robot that the command line means; `RunError` if there is not one to choose."""
-    deployment = None
-    if args.file is not None:  # the user trusts it
-        deployment = _load(Path(args.file), args.robot)
+    file = Path(args.file or "")  # which the user trusts
+    deployment = None if args.file is None else _load(file, args.robot)
     robot: str = deployment.robot if deployment else args.robot or _only_robot()
     known = runs_of(robot)
     runs = {run.folder: run.port for run in known}
     if deployment is None and known and not known[0].plain:
         deployment = _load(known[0].deployment)
-    elif deployment and (folder := _run_of(Path(args.file))):
-        runs = {folder: deployment.port}
+    elif deployment and file.name == "deployment.yaml" and any(file.parent.glob("*.jsonl")):
+        runs = {file.parent.absolute(): deployment.port}
     if deployment is None or (deployment.has_usual_ports and deployment.port not in runs.values()):
         port = known[0].port if known else block_of(robot, port_base(robot))
         mesh = deployment.mesh._replace(base=port) if deployment else on_loopback(port)
@@ -90,12 +83,6 @@ def _only_robot() -> str:
     if not names:
         raise RunError(f"no robot runs here; {_BY_FILE}")
     return names[0]
-
-
-def _run_of(file: Path) -> Path | None:
-    """Return the folder of a run whose deployment a file is; None if it is not in a run."""
-    run = file.name == "deployment.yaml" and any(file.parent.glob("*.jsonl"))
-    return file.parent.absolute() if run else None
 
 
 def _load(file: Path, robot: str | None = None) -> "Deployment":

@@ -1,7 +1,6 @@
 """The processes of a robot that runs: what they answer, which run here, and reviving one."""
 
 import os
-import socket
 import time
 
 from runtime.errors import RunError
@@ -22,13 +21,6 @@ def diags(bus: Bus, role: str = "**") -> list[Diag]:
     """Query the diagnostics of a role, or of all; return those that answer."""
     answers = bus.ask(topics.diag(role), timeout=_ANSWER)
     return [diag for one in answers if (diag := unpack_valid(Diag, one.data))]
-
-
-def check_is_here(bus: Bus, role: str) -> None:
-    """Raise `RunError` if a role runs, but on other hosts only."""
-    hosts = {diag.host for diag in diags(bus, role)}
-    if hosts and socket.gethostname() not in hosts:
-        raise RunError(f"{role} runs on {', '.join(sorted(hosts))}: use this command there")
 
 
 def watchers(robot: str) -> list[ProcessId]:
@@ -56,10 +48,8 @@ def silent_roles(bus: Bus, target: Target) -> dict[str, str]:
     for run in target.runs[:1]:
         for role in load(run / "deployment.yaml", only_role=topics.PLANT).roles:
             if role not in answering:
-                processes = processes_in(target.run_with(role), role)
-                silent[role] = (
-                    f"hangs, process {processes[-1].pid}" if processes else "is not there"
-                )
+                there = processes_in(target.run_with(role), role)
+                silent[role] = f"hangs, process {there[-1].pid}" if there else "is not there"
     return silent
 
 

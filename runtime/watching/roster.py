@@ -50,11 +50,6 @@ class _Entry:
     went: float | None = None
     diag: Diag | None = None
 
-    @property
-    def worth(self) -> tuple[bool, bool, float]:
-        """What sorts those to be kept after those never announced, gone, or silent for longest."""
-        return (self.announced, self.went is None, self.reported)
-
 
 class Roster:
     """The table of processes, from liveliness tokens and diagnostics."""
@@ -88,9 +83,14 @@ class Roster:
     def _entry(self, role: str, incarnation: int, now: float) -> _Entry:
         if incarnation not in self._entries:
             if len(self._entries) >= _KEPT:
-                del self._entries[min(self._entries, key=lambda by: self._entries[by].worth)]
+                del self._entries[min(self._entries, key=self._worth)]
             self._entries[incarnation] = _Entry(role, now, now)
         return self._entries[incarnation]
+
+    def _worth(self, by: int) -> tuple[bool, bool, float]:
+        """Return what is least for those never announced, gone, or silent for longest."""
+        entry = self._entries[by]
+        return (entry.announced, entry.went is None, entry.reported)
 
     def rows(self) -> list[Row]:
         """Return all processes alive now, and of each role without one the last.

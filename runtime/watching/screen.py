@@ -1,12 +1,11 @@
 """What people see of a run while it goes on: a live table on a terminal, plain lines elsewhere."""
 
-import sys
 import time
 
 from rich.console import Console, Group, RenderableType
 from rich.live import Live
 from rich.progress_bar import ProgressBar
-from rich.table import Table
+from rich.table import Column, Table
 from rich.text import Text
 
 from runtime.watching.table import HEADINGS, cells, distance, say
@@ -15,13 +14,12 @@ from runtime.watching.watcher import View
 _LINE = 1.0  # [s] between two plain lines
 
 
-def open_screen(duration: float | None) -> "Screen":
-    """Return what suits the output; `duration` is of the run [s], None if it has none."""
-    return LiveTable(duration) if sys.stdout.isatty() else Screen(duration)
-
-
 class Screen:
-    """Shows people what happens: a line a second, and one for each event."""
+    """Shows people what happens: a line a second, and one for each event.
+
+    Args:
+        duration: Of the run [s]; None if it has none.
+    """
 
     def __init__(self, duration: float | None) -> None:
         self._duration = duration
@@ -56,7 +54,6 @@ class LiveTable(Screen):
         self._console.print(Text(_event(t, text), style="bold yellow"))
 
     def show(self, view: View) -> None:
-        """Draw the view."""
         self._live.update(picture(view, self._duration), refresh=True)
 
     def close(self) -> None:
@@ -71,16 +68,12 @@ def picture(view: View, duration: float | None) -> RenderableType:
         right = index in (1, 4, 5, 6)
         table.add_column(heading, justify="right" if right else "left", no_wrap=True)
     for row in view.rows:
-        style = "" if row.alive else "red"
-        if row.alive and row.refused:
-            style = "yellow"
-        table.add_row(*cells(row, now), style=style)
+        style = "yellow" if row.refused else ""
+        table.add_row(*cells(row, now), style=style if row.alive else "red")
     line = Text(_progress(view, duration))
     if duration is None:
         return Group(line, table)
-    head = Table.grid(padding=(0, 2, 0, 0), expand=True)
-    head.add_column(no_wrap=True)
-    head.add_column(ratio=1)
+    head = Table.grid(Column(no_wrap=True), Column(ratio=1), padding=(0, 2, 0, 0), expand=True)
     head.add_row(line, ProgressBar(total=duration, completed=min(view.t, duration)))
     return Group(head, table)
 

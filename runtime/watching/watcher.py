@@ -32,14 +32,11 @@ class View(NamedTuple):
 
     Attributes:
         t: Plant time [s].
-        hand: x, y, z of the grip point in the world [m], None if it is not published.
-        goal: Where it should be [m], None if no goal is published.
-        error: The distance between them [m], None if it is not known.
+        hand: x, y, z of the grip point in the world [m]; this and the others: None if unknown.
+        goal: Where it should be [m].
+        error: The distance between them [m].
         worst: The largest error so far [m], of the moments that were looked at.
-        rows: The processes.
-        joints: The latest joint states, None if they are not published.
-        platform: The latest pose of the platform, None if it is not published.
-        goal_message: The goal that is in force, as it was published; None if there is none.
+        goal_message: The goal that is in force, as it was published.
     """
 
     t: float = 0.0
