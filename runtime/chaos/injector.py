@@ -161,7 +161,7 @@ class FaultInjector:
             for watcher in watchers(self._deployment.robot):
                 watcher.send(number)
         else:
-            self._control.send(role, pids, number)
+            self._control.processes.send(role, pids, number)
 
     def _note(self, action: str, target: str, **more: object) -> None:
         """Log what is about to be done, at once: this process may be the next one to end."""

@@ -54,7 +54,7 @@ def inherit(run: Path, t: float) -> None:
                 time.sleep(_TURN)
         finally:
             for event, pids in injector.hung.items():
-                control.send(event.target, pids, SIGKILL)  # nothing else would end what hangs
+                processes.send(event.target, pids, SIGKILL)  # nothing else would end what hangs
             journal.log.close()
 
 

@@ -9,7 +9,7 @@ import select
 import shutil
 import signal
 import tarfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from signal import Signals
@@ -102,27 +102,22 @@ class _HostServer:
                 plain["modules"] = str(self._run)
             file = self._run / "deployment.yaml"
             file.write_text(yaml.safe_dump(plain, sort_keys=False), encoding="utf-8")
-            self._take_keys(keys or {})
+            write_files(self._run / KEYS, keys or {})
             register(RegisteredRun.of(load(file), self._run))
         self.processes.start(ProcessSpec(*one) for one in processes)
         return self.processes.pids
 
-    def _take_keys(self, keys: Mapping[str, str]) -> None:
-        if keys:
-            write_files(self._run / KEYS, keys)
-
     def _revive(
         self, role: str, home: str, copy: bool, keys: Mapping[str, str]
     ) -> list[tuple[str, int]]:
-        self._take_keys(keys)
+        write_files(self._run / KEYS, keys)
         return [(role, self.processes.revive(role, home, copy=copy))]
 
-    def _signal(self, signal: int, role: str | None = None, pid: int = 0) -> None:
-        """Send a signal to a process, if it is still there; without a role to all."""
-        if role is None:
+    def _signal(self, signal: int, role: str | None = None, pids: Sequence[int] = ()) -> None:
+        if role is None:  # to all
             self.processes.signal(Signals(signal))
         else:
-            self.processes.send(role, pid, Signals(signal))
+            self.processes.send(role, pids, Signals(signal))
 
     def _bring(self) -> None:
         """Send what was written as an archive, leave nothing that could be sent, and end."""

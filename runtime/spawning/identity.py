@@ -1,9 +1,9 @@
 """Which process is meant, by its id and when it started: the id alone may be reused by now."""
 
 import os
-import select
 import signal
 import socket
+import time
 from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple, Self
@@ -50,19 +50,19 @@ class ProcessId(NamedTuple):
 
         If it is killed, wait until it is gone, so that its port is free for a successor.
         """
+        handle = None
+        with suppress(AttributeError, OSError):  # as on macOS: then the id may be reused meanwhile
+            handle = os.pidfd_open(self.pid)
         with suppress(ProcessLookupError):
-            if not hasattr(os, "pidfd_open"):  # not Linux: the id may be another's in between
-                if self.lives():
-                    os.kill(self.pid, number)
-                return
-            handle = os.pidfd_open(self.pid)  # from now on of one process, whatever has its id
-            try:
-                if self.lives():
-                    signal.pidfd_send_signal(handle, number)
-                    if number == signal.SIGKILL:
-                        select.select([handle], [], [], _DYING)
-            finally:
-                os.close(handle)
+            if self.lives() and handle is not None:
+                signal.pidfd_send_signal(handle, number)
+            elif self.lives():
+                os.kill(self.pid, number)
+            until = time.monotonic() + _DYING
+            while number == signal.SIGKILL and self.lives() and time.monotonic() < until:
+                time.sleep(0.001)
+        if handle is not None:
+            os.close(handle)
 
 
 def start_line(role: str, robot: str, run: Path) -> dict[str, object]:

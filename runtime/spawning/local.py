@@ -2,7 +2,7 @@
 
 import signal
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 from contextlib import suppress
 from pathlib import Path
 from signal import SIGKILL, SIGTERM
@@ -51,14 +51,14 @@ class ProcessGroup(Protocol):
     def revive(self, role: str, home: str) -> int:
         """Start one more process for a role whose host is `home`, and return its id.
 
-        It is a copy if others have the role, or one that hangs; `RunError` if it cannot be started.
+        It is a copy if the role has one, which may hang; `RunError` if it cannot be started.
         """
 
     def obeyed(self, role: str) -> list[int]:
         """Return the id of a role's process, of copies that of the one obeyed; none if none is."""
 
-    def send(self, role: str, pid: int, number: signal.Signals) -> None:
-        """Send a signal to one of a role's processes."""
+    def send(self, role: str, pids: Collection[int], number: signal.Signals) -> None:
+        """Send a signal to processes of a role, if they are still there."""
 
     def signal(self, number: signal.Signals) -> None:
         """Send a signal to all that live."""
@@ -91,7 +91,7 @@ def end_all(
         after: How long they have to end by themselves [s].
         pause: How long to wait after each step [s].
         ask: Asks all processes to stop; by default they get signals only.
-        ended: Is called with each process that has ended.
+        ended: Gets each process that has ended.
     """
     steps: list[Callable[[], object]] = [] if ask is None else [ask]
     steps += [lambda: processes.signal(SIGTERM), lambda: processes.signal(SIGKILL)]
@@ -117,9 +117,6 @@ class LocalProcesses(ProcessGroup):
     """The processes of a run on this machine: those started here, and those that its logs name.
 
     Make it before a bus is joined: see `ForkServer`.
-
-    Attributes:
-        run: The run's folder.
     """
 
     def __init__(self, run: Path, forkserver: ForkServer | None = None) -> None:
@@ -152,12 +149,12 @@ class LocalProcesses(ProcessGroup):
         started = [pid for one, pid in self.pids if one == role]
         return started[-1:] if obeyed is None else [obeyed.pid]
 
-    def send(self, role: str, pid: int, number: signal.Signals) -> None:
-        by_log = [process for process in processes_in(self.run, role) if process.pid == pid]
+    def send(self, role: str, pids: Collection[int], number: signal.Signals) -> None:
+        by_log = [process for process in processes_in(self.run, role) if process.pid in pids]
         for process in by_log:
             process.send(number)
         for task, child in self._living:  # which may have no log yet
-            if not by_log and (task.role, child.pid) == (role, pid):
+            if not by_log and task.role == role and child.pid in pids:
                 child.send_signal(number)
 
     def signal(self, number: signal.Signals) -> None:

@@ -163,10 +163,7 @@ def _alone() -> Iterator[None]:
 
 
 def begin_run(deployment: "Deployment") -> "tuple[Deployment, Path]":
-    """Make the folder of a new run, and return it with the deployment as resolved, also in it.
-
-    A robot whose usual ports another one has takes the next that are free.
-    """
+    """Make the folder of a new run, and return it with the deployment as resolved, also in it."""
     with _alone():
         return _enter(_with_ports(deployment), None)
 
@@ -198,7 +195,8 @@ def _enter(deployment: "Deployment", folder: Path | None) -> "tuple[Deployment, 
 def _with_ports(deployment: "Deployment") -> "Deployment":
     """Return a deployment with the ports that its robot has or takes on this machine.
 
-    A port that its file sets stays, and so does one that other hosts have to know.
+    It takes the next that are free if another robot has its usual ones. A port that its file sets
+    stays, and so does one that other hosts have to know.
     """
     robot, port = deployment.robot, deployment.port
     if deployment.has_usual_ports:

@@ -10,7 +10,7 @@ import subprocess
 import tarfile
 import threading
 import time
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from tarfile import TarError
@@ -154,7 +154,7 @@ class RemoteProcesses(ProcessGroup):
     """All processes of a run, wherever they are.
 
     Args:
-        run: The run's folder.
+        run: Its folder.
         hosts: The process that serves each host, on its standard input and output.
         away: Whether the hosts cannot see the run's folder, and need one of their own.
     """
@@ -177,16 +177,13 @@ class RemoteProcesses(ProcessGroup):
 
     def _own_folder(self, host: str) -> dict[str, object]:
         """Return what a host with a folder of its own needs: its name, the deployment, and keys."""
-        deployment = self._deployment()
+        deployment = load(self._run / "deployment.yaml", only_role=PLANT)
         roles = [one.role for one in deployment.processes if one.host == host]
         text = (self._run / "deployment.yaml").read_text(encoding="utf-8")
         keys = read_files(deployment, roles)
         deployed = with_local_files(text) if keys else text
         run = f"runs/{host}/{self._run.name}"  # two hosts may be one machine
         return {"run": run, "deployment": deployed, "keys": keys}
-
-    def _deployment(self) -> Deployment:
-        return load(self._run / "deployment.yaml", only_role=PLANT)
 
     def revive(self, role: str, home: str) -> int:
         """Start one more process for a role, and return its id on its host; see `ProcessGroup`.
@@ -201,7 +198,8 @@ class RemoteProcesses(ProcessGroup):
             raise RunError("no host is left")
         host = self._hosts[living[0]]
         beside = living[0] != home or bool(self.obeyed(role))
-        keys = read_files(self._deployment(), [role]) if self._away else {}
+        file = self._run / "deployment.yaml"
+        keys = read_files(load(file, only_role=PLANT), [role]) if self._away else {}
         number = host.request("revive", role=role, home=living[0], copy=beside, keys=keys)
         pid: int = host.answer(number, timeout=_ANSWER)["pids"][0][1]
         return pid
@@ -211,10 +209,11 @@ class RemoteProcesses(ProcessGroup):
         pids = [pid for host in self._hosts.values() for one, pid in host.pids if one == role]
         return pids[-1:]
 
-    def send(self, role: str, pid: int, number: signal.Signals) -> None:
-        having = [host for host in self._hosts.values() if (role, pid) in host.pids]
-        for host in having[-1:]:
-            host.request("signal", signal=int(number), role=role, pid=pid)
+    def send(self, role: str, pids: Collection[int], number: signal.Signals) -> None:
+        for pid in pids:
+            having = [host for host in self._hosts.values() if (role, pid) in host.pids]
+            for host in having[-1:]:
+                host.request("signal", signal=int(number), role=role, pids=[pid])
 
     def signal(self, number: signal.Signals) -> None:
         for host in self._hosts.values():

@@ -18,7 +18,8 @@ def write_files(folder: Path, files: Mapping[str, str]) -> None:
 
     Only the owner can ever read the private keys, and the folder if it is new.
     """
-    folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+    if files:
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     for name, data in files.items():
         file, mode = folder / name, 0o600 if name.endswith(".key") else 0o644
         file.unlink(missing_ok=True)

@@ -6,7 +6,6 @@ from signal import SIGKILL
 
 from runtime.errors import RunError
 from runtime.spawning.local import LocalProcesses
-from runtime.watching.control import Control
 from runtime.watching.discovery import add_target_options, target_of, visit
 from runtime.watching.local import diags
 
@@ -27,10 +26,10 @@ def run(args: argparse.Namespace) -> int:
         if hosts and socket.gethostname() not in hosts:
             where = ", ".join(sorted(hosts))
             raise RunError(f"{args.role} runs on {where}: use this command there")
-        control = Control(bus, LocalProcesses(target.run_with(args.role)))
-        pids = control.processes.obeyed(args.role)
+        processes = LocalProcesses(target.run_with(args.role))
+        pids = processes.obeyed(args.role)
         if not pids:
             raise RunError(f"no process of {args.role} runs here")
-        control.send(args.role, pids, SIGKILL)
+        processes.send(args.role, pids, SIGKILL)
     print(f"killed {args.role}, process {pids[0]}")
     return 0

@@ -1,7 +1,5 @@
 """What can be asked of the processes of a run and done to them, by verbs, chaos and others."""
 
-import signal
-
 from plant.faults import FaultError
 from runtime.errors import RunError
 from runtime.spawning.local import ProcessGroup
@@ -27,7 +25,7 @@ class Control:
 
     @property
     def processes(self) -> ProcessGroup:
-        """The processes of the run, to signal and revive them."""
+        """The processes of the run, to be signalled and revived."""
         assert self._processes is not None, "made for requests only"
         return self._processes
 
@@ -49,8 +47,3 @@ class Control:
         if not answers[0].agreed:
             raise FaultError(said)
         return said
-
-    def send(self, role: str, pids: list[int], number: signal.Signals) -> None:
-        """Send a signal to processes of a role: SIGKILL, SIGSTOP to let them hang, or SIGCONT."""
-        for pid in pids:
-            self.processes.send(role, pid, number)

@@ -96,8 +96,7 @@ def _load(file: Path, robot: str | None = None) -> "Deployment":
 def robots_here() -> list[str]:
     """Return the names of the robots that run on this machine.
 
-    Those that another user has started with a port, hosts or certificates of their own are not
-    found.
+    Those of other users are not found if they have a port, hosts or certificates of their own.
     """
     return sorted({run.robot for run in runs_of()} | robots_at(*ALL_BASES))
 

@@ -2,7 +2,7 @@
 
 import os
 import signal
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from pathlib import Path
 from signal import Signals
 
@@ -39,7 +39,7 @@ class Unwilling:
     def obeyed(self, role: str) -> list[int]:
         return []
 
-    def send(self, role: str, pid: int, number: Signals) -> None: ...
+    def send(self, role: str, pids: Collection[int], number: Signals) -> None: ...
 
     def tidy(self) -> None: ...
 

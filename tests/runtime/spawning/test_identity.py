@@ -74,7 +74,7 @@ def test_another_program_that_has_the_id_by_now_is_never_signalled(
     log(tmp_path, {"pid": stranger.pid, "started": started, **changes})
     processes = LocalProcesses(tmp_path)
     assert processes.obeyed("joint/1") == []
-    processes.send("joint/1", stranger.pid, signal.SIGKILL)
+    processes.send("joint/1", [stranger.pid], signal.SIGKILL)
     ProcessId(stranger.pid, 1e9).send(signal.SIGKILL)
     processes.tidy()
     stranger.send_signal(signal.SIGUSR1)  # which no process handles that was sent SIGKILL before
