@@ -20,8 +20,6 @@ class Journal:
     """Notes what happens in a run, such as which of its processes start and go.
 
     Args:
-        deployment: What runs.
-        run: The run's folder.
         role: Who notes it, into a log of its own: the launcher, or its successor.
         starting: The roles that are started here.
 

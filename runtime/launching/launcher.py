@@ -54,8 +54,6 @@ class Launcher:
     """Starts the processes of a run and stays with it to its end.
 
     Args:
-        deployment: What runs, as resolved.
-        run: The run's folder.
         network: Carries out chaos between hosts; None if nothing can.
         processes: Starts and ends processes; by default on this machine.
         host: The host whose processes it starts; by default all.

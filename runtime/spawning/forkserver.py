@@ -32,10 +32,8 @@ class ForkServer(AbstractContextManager["ForkServer"]):
 
     It is a process of its own, forked from this one. Only a process with one thread can be forked
     safely, so create it before joining a bus: later, or if it was killed, each process starts a new
-    Python, which takes about 0.3 s. It decides nothing, and ends with its creator.
-
-    Args:
-        role: The role of all processes that it will start; None if it has to import for any.
+    Python, which takes about 0.3 s. It decides nothing, and ends with its creator. For one role it
+    imports no more than that needs.
     """
 
     def __init__(self, role: str | None = None) -> None:

@@ -1,7 +1,7 @@
 """The processes of one host, for a launcher on another: a server of requests, line by line.
 
-Each line of input is a request, each line of output an answer or an event, all JSON. It is the same
-over ssh and in a rehearsal; `remote.py` is the client.
+Each line of input is a request, each line of output an answer or an event, all JSON; an archive of
+the files comes last. It is the same over ssh and in a rehearsal; `remote.py` is the client.
 """
 
 import json
@@ -29,9 +29,7 @@ _TURN = 0.02  # [s] between two looks at the processes
 def serve(*, stays: bool) -> int:
     """Serve requests on standard input, and return the exit code.
 
-    Args:
-        stays: Whether to stay with the processes until they end when standard input closes;
-            otherwise it ends then, and so do they.
+    When that closes, it `stays` with the processes until they end, or ends, and so do they.
     """
     signal.signal(signal.SIGHUP, signal.SIG_IGN)
     server = _HostServer()

@@ -154,7 +154,6 @@ class RemoteProcesses(ProcessGroup):
     """All processes of a run, wherever they are.
 
     Args:
-        run: Its folder.
         hosts: The process that serves each host, on its standard input and output.
         away: Whether the hosts cannot see the run's folder, and need one of their own.
     """
