@@ -7,7 +7,8 @@ from collections.abc import Iterator
 from runtime.config.deployment import Deployment
 from runtime.config.tree import ConfigError
 from runtime.doctor.machine import Finding, Grade
-from runtime.tls.verification import day, is_here, needed, verify
+from runtime.spawning.ports import is_taken
+from runtime.tls.verification import day, needed, verify
 
 _SOON = 30 * 86400.0  # [s] before expiry: warn
 _WHAT = "certificates"
@@ -20,7 +21,7 @@ def check_certificates(deployment: Deployment) -> Iterator[Finding]:
         return
     expiries, bad = [], []
     for name, address in needed(deployment):
-        if not is_here(address):
+        if is_taken(0, address):  # of another machine
             continue
         try:
             credentials = security.credentials(name, deployment.roles)

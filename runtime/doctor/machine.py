@@ -9,7 +9,8 @@ import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from enum import Enum
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import version
+from importlib.util import find_spec
 from pathlib import Path
 from typing import NamedTuple
 
@@ -44,10 +45,9 @@ def check_machine(runs: Path) -> Iterator[Finding]:
     """Check this machine; `runs` is the folder in which runs are recorded."""
     yield Finding(Grade.OK, "Python", f"{platform.python_version()}, {sys.executable}")
     for name, least in _LIBRARIES.items():
-        remedy = f"`pip install '{name}>={'.'.join(map(str, least))}'`"
-        yield _library(name, least, Grade.BAD, f"is not installed; {remedy}", remedy)
-    missing = "not installed, so runs are not plotted; `pip install 'msma[plots]'`"
-    yield _library("matplotlib", (), Grade.WARN, missing)
+        yield _library(name, least)
+    plots = "matplotlib", "not installed, so runs are not plotted; `pip install 'msma[plots]'`"
+    yield _library("matplotlib", ()) if find_spec("matplotlib") else Finding(Grade.WARN, *plots)
     yield _files()
     yield _loopback()
     yield _load()
@@ -55,40 +55,36 @@ def check_machine(runs: Path) -> Iterator[Finding]:
     yield _folder(runs)
 
 
-def _library(
-    name: str, least: tuple[int, ...], without: Grade, missing: str, remedy: str = ""
-) -> Finding:
-    try:
-        found = version(name)
-    except PackageNotFoundError:
-        return Finding(without, name, missing)
+def _library(name: str, least: tuple[int, ...]) -> Finding:
+    found = version(name)  # those that are needed are there, or this would not run
     numbers = tuple(int(part) for part in found.split(".")[: len(least)] if part.isdigit())
     if numbers < least:
-        return Finding(Grade.BAD, name, f"{found}; {remedy}")
+        wanted = ".".join(map(str, least))
+        return Finding(Grade.BAD, name, f"{found}; `pip install '{name}>={wanted}'`")
     return Finding(Grade.OK, name, found)
 
 
 def _files() -> Finding:
     soft, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
-    detail = "no limit" if soft < 0 else f"{soft} per process"
     if 0 <= soft < _FILES:
-        return Finding(Grade.BAD, "open files", f"{detail}; `ulimit -n 1024` raises the limit")
-    return Finding(Grade.OK, "open files", detail)
+        detail = f"{soft} per process; `ulimit -n 1024` raises the limit"
+        return Finding(Grade.BAD, "open files", detail)
+    return Finding(Grade.OK, "open files", "no limit" if soft < 0 else f"{soft} per process")
 
 
 def _loopback() -> Finding:
     """Measure a round trip over TCP, as used by all messages."""
     try:
-        with socket.create_server((LOOPBACK, 0)) as server:
-            address = server.getsockname()
-            with socket.create_connection(address, timeout=1.0) as here:
-                there, _ = server.accept()
-                with there:
-                    began = time.monotonic()
-                    here.sendall(b"?")
-                    there.sendall(there.recv(1))
-                    here.recv(1)
-                    took = time.monotonic() - began
+        with (
+            socket.create_server((LOOPBACK, 0)) as server,
+            socket.create_connection(server.getsockname(), timeout=1.0) as here,
+            server.accept()[0] as there,
+        ):
+            began = time.monotonic()
+            here.sendall(b"?")
+            there.sendall(there.recv(1))
+            here.recv(1)
+            took = time.monotonic() - began
     except OSError as error:
         detail = f"{LOOPBACK} does not work: {error}; `ip link set lo up`"
         return Finding(Grade.BAD, "loopback", detail)

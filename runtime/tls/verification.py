@@ -1,7 +1,6 @@
 """Verification of key pairs: each one makes a TLS handshake with itself, in memory."""
 
 import ipaddress
-import socket
 import ssl
 import time
 from contextlib import suppress
@@ -113,12 +112,3 @@ def needed(deployment: Deployment, host: str | None = None) -> list[tuple[str, s
     members = [one for one in deployment.processes if host in (None, one.host)]
     there = [(one.role, deployment.hosts[one.host].address) for one in members]
     return [*dict.fromkeys(there), (OPERATOR, LOOPBACK)]
-
-
-def is_here(address: str) -> bool:
-    """Return whether this machine has an address."""
-    with suppress(OSError):
-        family = socket.AF_INET6 if ":" in address else socket.AF_INET
-        socket.create_server((address, 0), family=family).close()
-        return True
-    return False

@@ -1,1 +1,4 @@
-"""The verbs of the `msma` command: modules with a docstring, `add_arguments` and `run`."""
+"""The verbs of the `msma` command: modules whose docstrings are their help, with two functions.
+
+`add_arguments(parser)` adds what the verb takes; `run(args)` does it, and returns the exit code.
+"""

@@ -12,7 +12,6 @@ from runtime.spawning.registry import forget, join_run
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the file, the role and the folder of the log."""
     add_deployment_options(parser)
     parser.add_argument(
         "role", metavar="ROLE", help="role, such as joint/2, platform, goal or plant"

@@ -5,10 +5,12 @@ Exit codes: 0 if every run reached the goal, 3 if any missed it, 1 if any failed
 
 import argparse
 import shlex
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
+
+from rich.console import Console
+from rich.progress import MofNCompleteColumn, Progress, TimeRemainingColumn
 
 from runtime.campaign.campaign import CampaignRun, check_campaign, run_once
 from runtime.campaign.report import CampaignReport, as_options
@@ -19,9 +21,10 @@ from runtime.results.finishing import save
 from runtime.results.summary import MISSED
 from runtime.watching.table import say
 
+_COLUMNS = (*Progress.get_default_columns()[:2], MofNCompleteColumn(), TimeRemainingColumn())
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the file, its overrides and the number of runs."""
     add_deployment_options(parser)
     parser.add_argument(
         "--runs", metavar="NUMBER", type=int, default=10, help="number of runs (default: 10)"
@@ -35,49 +38,28 @@ def run(args: argparse.Namespace) -> int:
     folder = new_run_folder(deployment.runs, f"{deployment.robot}-chaos").absolute()
     deployment = replace(deployment, runs=folder)
     runs: list[CampaignRun] = []
-    code = OK
-    with _progress(args.runs) as show:
-        try:
-            for number in range(args.runs):
-                runs.append(run_once(deployment, deployment.seed + number))
-                show(runs)
-        except KeyboardInterrupt:
-            code = INTERRUPTED
+    console = Console()
+    bar = Progress(*_COLUMNS, console=console, transient=True, disable=not console.is_terminal)
+    with bar, suppress(KeyboardInterrupt):
+        for number in bar.track(range(args.runs), description="runs"):
+            runs.append(run_once(deployment, deployment.seed + number))
+            say(f"{len(runs)} of {args.runs}  {_line(runs[-1])}")
     command = shlex.join(["msma", "chaos", args.file, *given(args), "--runs", "1"])
     report = CampaignReport(deployment, runs, command)
     say(report.text())
     for name, text in (("chaos.md", report.markdown()), ("chaos.json", report.to_json())):
         say(_write(folder / name, text))
     outcomes = {run.outcome for run in runs}
-    if code == OK and outcomes != {"reached"}:
-        return FAILED if "failed" in outcomes else MISSED
-    return code
+    if len(runs) < args.runs:
+        return INTERRUPTED
+    if "failed" in outcomes:
+        return FAILED
+    return OK if outcomes == {"reached"} else MISSED
 
 
 def _write(file: Path, text: str) -> str:
     """Write a file, and return a line that says where it is, or why it could not be written."""
     return save(file, lambda file: file.write_text(text, encoding="utf-8")) or f"  {file}"
-
-
-@contextmanager
-def _progress(count: int) -> Iterator[Callable[[list[CampaignRun]], None]]:
-    """Yield what shows the runs so far: a progress bar on a terminal, plain lines elsewhere."""
-    from rich.console import Console
-    from rich.progress import MofNCompleteColumn, Progress, TimeRemainingColumn
-
-    console = Console(highlight=False)
-    if not console.is_terminal:
-        yield lambda runs: say(f"{len(runs)} of {count}  {_line(runs[-1])}")
-        return
-    columns = (*Progress.get_default_columns()[:2], MofNCompleteColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=console, transient=True) as bar:
-        task = bar.add_task("runs", total=count)
-
-        def advance(runs: list[CampaignRun]) -> None:
-            bar.advance(task)
-            console.print(_line(runs[-1]))
-
-        yield advance
 
 
 def _line(run: CampaignRun) -> str:

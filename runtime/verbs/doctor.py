@@ -17,12 +17,10 @@ from runtime.wire.topics import PLANT
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options that name a robot."""
     add_target_options(parser)
 
 
 def run(args: argparse.Namespace) -> int:
-    """Print a line for each check; return 1 if any is bad."""
     deployment = None if args.file is None else load(args.file, only_role=PLANT)
     findings = list(check_machine(Path.cwd() / "runs" if deployment is None else deployment.runs))
     can_join = args.robot is not None

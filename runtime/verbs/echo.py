@@ -15,14 +15,11 @@ _DEPTH = 1000  # messages waiting to be printed
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the topic, the number of messages and the options that name a robot."""
-    parser.add_argument(
-        "topic", metavar="TOPIC", help="such as goal, arm/ee_pose, arm/joint/*/cmd, or ** for all"
-    )
     parser.add_argument(
         "-n", metavar="COUNT", type=int, default=0, help="stop after this many messages"
     )
-    add_target_options(parser)
+    topic = "such as goal, arm/ee_pose, arm/joint/*/cmd, or ** for all"
+    add_target_options(parser, topic=topic)
 
 
 def run(args: argparse.Namespace) -> int:

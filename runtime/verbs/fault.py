@@ -7,19 +7,12 @@ from runtime.watching.discovery import add_target_options, target_of, visit
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the fault and the options that name a robot."""
-    parser.add_argument(
-        "fault",
-        metavar="FAULT",
-        help="such as joint/1:locked or encoder/2:lost; joint/1:ok clears all faults of joint 1",
-    )
-    add_target_options(parser)
+    fault = "such as joint/1:locked or encoder/2:lost; joint/1:ok clears all faults of joint 1"
+    add_target_options(parser, fault=fault)
 
 
 def run(args: argparse.Namespace) -> int:
-    """Request the fault from the plant; print its answer."""
-    target = target_of(args)
-    with visit(target) as bus:
+    with visit(target_of(args)) as bus:
         said = Control(bus).fault(args.fault)
     print(f"{args.fault}: {said}")
     return 0

@@ -10,16 +10,13 @@ from runtime.watching.discovery import add_target_options, target_of, visit
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the topic, the duration and the options that name a robot."""
-    parser.add_argument("topic", metavar="TOPIC", help="such as arm/ee_pose or arm/joint/*/cmd")
     parser.add_argument(
         "--seconds", metavar="S", type=float, default=3.0, help="duration (default: 3)"
     )
-    add_target_options(parser)
+    add_target_options(parser, topic="such as arm/ee_pose or arm/joint/*/cmd")
 
 
 def run(args: argparse.Namespace) -> int:
-    """Subscribe for a while, and print a line for each topic."""
     arrivals: dict[str, list[float]] = {}
     with visit(target_of(args)) as bus:
         bus.subscribe(

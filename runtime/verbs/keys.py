@@ -14,7 +14,6 @@ _DAYS = 730
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the folder, the file and the validity."""
     parser.add_argument("folder", metavar="DIR", type=Path, help="folder to write the files to")
     parser.add_argument("file", metavar="FILE", help="deployment file with the roles and hosts")
     parser.add_argument(

@@ -11,11 +11,7 @@ from runtime.watching.local import diags
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the role and the options that name a robot."""
-    parser.add_argument(
-        "role", metavar="ROLE", help="role, such as joint/2; its process must run on this host"
-    )
-    add_target_options(parser)
+    add_target_options(parser, role="role, such as joint/2; its process must run on this host")
 
 
 def run(args: argparse.Namespace) -> int:

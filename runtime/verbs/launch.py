@@ -12,7 +12,6 @@ from runtime.watching.table import say
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the file, its overrides, and the options for several hosts."""
     add_deployment_options(parser)
     group = parser.add_argument_group("hosts", "By default all processes start on this host.")
     which = group.add_mutually_exclusive_group()
@@ -28,7 +27,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Launch the robot, print a summary, and return its exit code."""
     deployment = load_from(args)
     again = [f"--{how}" for how in ("ssh", "rehearse") if getattr(args, how)]
     network = hosts = processes = None

@@ -8,9 +8,7 @@ from runtime.watching.discovery import add_target_options
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the role and the options that name a robot."""
-    parser.add_argument("role", metavar="ROLE", help="role, such as joint/2")
-    add_target_options(parser)
+    add_target_options(parser, role="role, such as joint/2")
 
 
 def run(args: argparse.Namespace) -> int:

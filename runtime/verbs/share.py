@@ -6,10 +6,8 @@ from runtime.spawning.host_server import serve
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the name of the host, for the list of processes."""
     parser.add_argument("host", metavar="HOST", help="name of this host in the deployment")
 
 
 def run(args: argparse.Namespace) -> int:
-    """Serve requests on standard input until it closes."""
     return serve(stays=True)

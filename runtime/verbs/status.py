@@ -19,7 +19,6 @@ _HAND = 0.3  # [s] to wait for the hand's position
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options that name a robot, and the form of the output."""
     add_target_options(parser)
     how = parser.add_mutually_exclusive_group()
     how.add_argument("--watch", action="store_true", help="update until Ctrl-C")

@@ -18,7 +18,6 @@ class _PrintSchema(argparse.Action):
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the file, its overrides and `--schema`."""
     add_deployment_options(parser)
     parser.add_argument(
         "--schema",
@@ -29,7 +28,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Load the deployment, and print its robot and number of processes."""
     deployment = load_from(args)
     count = len(deployment.roles)
     print(f"{args.file}: valid: robot {deployment.robot}, {count} processes")

@@ -134,8 +134,10 @@ def visit(target: Target) -> Iterator[Bus]:
         yield bus
 
 
-def add_target_options(parser: argparse.ArgumentParser) -> None:
-    """Add the options that name a running robot."""
+def add_target_options(parser: argparse.ArgumentParser, **arguments: str) -> None:
+    """Add positional arguments, by their names and help, and options that name a running robot."""
+    for name, text in arguments.items():
+        parser.add_argument(name, metavar=name.upper(), help=text)
     group = parser.add_argument_group("robot", "By default the only one running on this machine.")
     group.add_argument("--robot", metavar="NAME", help="its name on the network")
     group.add_argument(

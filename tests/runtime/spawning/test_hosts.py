@@ -1,6 +1,7 @@
 """A robot on several hosts which are all this machine, by addresses of its own: no root needed."""
 
 import json
+import socket
 from collections.abc import Callable
 from typing import Any
 
@@ -13,7 +14,9 @@ from runtime.config.overrides import Override
 from runtime.doctor.machine import Grade
 from runtime.doctor.network import Health, check_hosts, check_robot, check_running
 from runtime.watching.discovery import Target
+from runtime.wire.mesh import Mesh
 from runtime.wire.messages import Diag, Spread
+from tests.ports import reserve_any
 from tests.runtime.conftest import ROOT, RUN_DEADLINE, Robot, wait_for
 
 FILE = "arph-hosts.yaml"
@@ -117,3 +120,24 @@ def test_doctor_finds_another_robot_of_the_same_name(make_robot: Callable[[], Ro
     found = [one for one in check_robot(Target(robot.name, mesh), 9) if one.what == robot.name]
     assert found[0].grade is Grade.BAD
     assert "another robot of this name runs on this machine" in found[0].detail
+
+
+def has_ipv6() -> bool:
+    try:
+        with socket.create_server(("::1", 0), family=socket.AF_INET6):
+            return True
+    except OSError:
+        return False
+
+
+@pytest.mark.skipif(not has_ipv6(), reason="this machine has no IPv6")
+def test_doctor_finds_the_taken_ports_of_an_ipv6_address() -> None:
+    base, reservation = reserve_any()
+    target = Target("nobody", Mesh(base, ("::1",), ("::1",)))
+    with reservation:
+        with socket.create_server(("::1", base), family=socket.AF_INET6):
+            (taken,) = (one for one in check_robot(target, 1) if one.what == "ports")
+        (free,) = (one for one in check_robot(target, 1) if one.what == "ports")
+    assert taken.grade is Grade.BAD
+    assert taken.detail.startswith(f"{base} of {base} to ")
+    assert free.grade is Grade.OK
