@@ -17,9 +17,8 @@ from agents.paths import Path as GoalPath
 from runtime.campaign.forecast import forecast
 from runtime.campaign.impact import Impact, measure_impact
 from runtime.chaos.injector import check_means
-from runtime.config.chaos import WATCHER, ChaosEvent
+from runtime.config.chaos import MANNERS, WATCHER, ChaosEvent, fault
 from runtime.config.deployment import Deployment, load
-from runtime.config.random_chaos import MANNERS, fault
 from runtime.config.tree import ConfigError
 from runtime.errors import RunError
 from runtime.launching.launcher import Launcher, prepare

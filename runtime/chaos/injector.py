@@ -31,7 +31,7 @@ class Network(Protocol):
 def check_means(deployment: Deployment, network: Network | None) -> None:
     """Raise `ConfigError` if the deployment's chaos needs a network that cannot be impaired."""
     for index, event in enumerate(deployment.chaos):
-        if event.action in event.of_network and network is None:
+        if event.hosts and network is None:
             raise ConfigError(
                 f"chaos.{index}.{event.action}: {event.target}: these processes run on a network "
                 f"that cannot be broken from here; only a rehearsal of hosts on one machine can"

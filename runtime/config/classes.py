@@ -32,6 +32,9 @@ class ClassName(Generic[_T]):
     load: Callable[[], Any] = field(compare=False, repr=False)
     parameters: Sequence[Field] | None = field(default=None, compare=False, repr=False)
 
+    def __str__(self) -> str:
+        return self.name
+
     @property
     def is_loaded(self) -> bool:
         """Whether this process has the class."""
@@ -81,9 +84,6 @@ class ClassOf(Kind):
             raise
         except (TypeError, NameError, ValueError) as error:
             raise node.error(f"{name} cannot be used in a file: {error}") from None
-
-    def write(self, value: ClassName[Any]) -> str:
-        return value.name
 
     def _load(self, name: str, node: YamlNode, folder: str) -> Callable[..., Any]:
         if folder not in sys.path:

@@ -10,11 +10,10 @@ import yaml
 
 from agents.agent import Agent
 from plant.plant import Plant
-from runtime.config.chaos import LAUNCHER, WATCHER, ChaosEvent
+from runtime.config.chaos import LAUNCHER, WATCHER, ChaosEvent, RandomChaos
 from runtime.config.hosts import HostSpec, NewHost, Router, here_alone
 from runtime.config.kinds import File, Quantity, Scope, Text, Whole
 from runtime.config.overrides import Override
-from runtime.config.random_chaos import RandomChaos
 from runtime.config.reading import Derived, kind_of
 from runtime.config.security import SecuritySpec
 from runtime.config.specs import (
@@ -24,6 +23,7 @@ from runtime.config.specs import (
     GoalSpec,
     NodeSpec,
     PlantSpec,
+    Spec,
     Start,
 )
 from runtime.config.tree import ConfigError, YamlNode, read_file
@@ -31,7 +31,7 @@ from runtime.errors import valid_are
 from runtime.processes.log_writer import LOG_MEGABYTES
 from runtime.wire.mesh import FIRST_COPY, LOOPBACK, SLOTS, Mesh, port_base
 from runtime.wire.security import Credentials
-from runtime.wire.topics import Contract, ContractError, Topic, file_name
+from runtime.wire.topics import PLANT, Contract, ContractError, Topic, file_name
 
 Name = Annotated[str, Text("arph", "a robot's name", "[A-Za-z0-9][A-Za-z0-9_-]{0,63}")]
 Scheduling = Literal["auto", "normal", "realtime"]
@@ -107,16 +107,13 @@ class Deployment:
     @property
     def roles(self) -> tuple[str, ...]:
         """All roles that have a process, in the order of their slots."""
-        return tuple(self._specs)
+        return tuple(self.specs)
 
     @property
-    def _specs(self) -> dict[str, PlantSpec | GoalSpec | AgentSpec | NodeSpec]:
-        specs: dict[str, PlantSpec | GoalSpec | AgentSpec | NodeSpec] = {"plant": self.plant}
-        if self.goal is not None:
-            specs["goal"] = self.goal
-        specs.update((agent.role, agent) for agent in self.agents)
-        specs.update((node.role, node) for node in self.nodes)
-        return specs
+    def specs(self) -> dict[str, Spec]:
+        """The processes by their roles."""
+        every: tuple[Spec | None, ...] = (self.plant, self.goal, *self.agents, *self.nodes)
+        return {spec.role: spec for spec in every if spec is not None}
 
     @property
     def chaos_targets(self) -> tuple[str, ...]:
@@ -144,7 +141,7 @@ class Deployment:
 
     def host_of(self, role: str) -> str:
         """Return the name of the host of a role."""
-        host = self._specs[role].host
+        host = self.specs[role].host
         return host if isinstance(host, str) else host[0]
 
     @property
@@ -161,12 +158,6 @@ class Deployment:
                 for number in range(1, agent.copies)
             ]
         return (*first, *copies)
-
-    def check_share(self, host: str) -> None:
-        """Raise `ConfigError` if no process runs on a host."""
-        busy = dict.fromkeys(one.host for one in self.processes)
-        if host not in busy:
-            raise ConfigError(f"no process runs on a host {host!r}{valid_are(host, busy)}")
 
     @property
     def mesh(self) -> Mesh:
@@ -185,10 +176,6 @@ class Deployment:
             return None
         return self.security.credentials(name, self.roles, self.contract)
 
-    def node(self, role: str) -> NodeSpec | None:
-        """Return the node in that role; None if it is no node's."""
-        return next((node for node in self.nodes if node.role == role), None)
-
     @property
     def contract(self) -> Contract:
         """The topics of this robot; loads the classes of its plant and nodes."""
@@ -204,7 +191,7 @@ class Deployment:
 
     def build_plant(self) -> Plant:
         """Make the plant, not connected to anything yet."""
-        seed = (self.seed, self.slot("plant"))
+        seed = (self.seed, self.slot(PLANT))
         return self.plant.build(self.description.robot, self.start, self.period, seed)
 
     def build_agent(self, role: str) -> Agent:
@@ -250,13 +237,6 @@ class Deployment:
                 here = node.find("random_chaos", "roles", index)
                 raise here.error(_nobody(role, self.chaos_targets))
 
-    def drawn(self) -> "Deployment":
-        """Return the deployment with its random faults drawn, as a part of `chaos`."""
-        if self.random_chaos is None or self.duration is None:
-            return self
-        events = self.random_chaos.draw(self.chaos_targets, self.duration)
-        return replace(self, chaos=(*self.chaos, *events), random_chaos=None)
-
     def dump(self) -> str:
         """Return YAML that loads to an equal deployment in any folder, including defaults."""
         plain = kind_of(Deployment).write(self)
@@ -285,10 +265,13 @@ def load(
     root = read_file(file)
     for override in overrides:
         override.apply(root)
-    if root.value is None:
+    if root.is_null:
         raise root.error("is empty; a deployment has at least robot, description, period, agents")
     scope = {"folder": root.location.folder, "only_role": only_role}
     deployment: Deployment = kind_of(Deployment).read(root, scope)
     if only_role is not None:
         deployment.slot(only_role)
-    return deployment.drawn()
+    if deployment.random_chaos is None or deployment.duration is None:
+        return deployment
+    drawn = deployment.random_chaos.draw(deployment.chaos_targets, deployment.duration)
+    return replace(deployment, chaos=(*deployment.chaos, *drawn), random_chaos=None)

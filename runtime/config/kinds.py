@@ -32,8 +32,8 @@ class Kind(ABC):
         """Return the value of a node, or raise its `ConfigError`."""
 
     def write(self, value: Any) -> Any:
-        """Return plain data that `read` turns into the value again."""
-        return value
+        """Return plain data that `read` turns into the value again; by default of `str`."""
+        return value if isinstance(value, int | str) else str(value)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -117,7 +117,7 @@ class Text(Kind):
     regex: str = ".*"
 
     def read(self, node: YamlNode, scope: Scope) -> str:
-        if not isinstance(node.value, str) or not re.fullmatch(self.regex, node.value, re.DOTALL):
+        if node.value is None or not re.fullmatch(self.regex, node.value, re.DOTALL):
             raise node.error(f"{node.text!r} is not {self.what}, such as {self.such_as}")
         return node.value
 
@@ -140,9 +140,6 @@ class File(Kind):
             raise node.error(f"there is no file {path}")
         return path
 
-    def write(self, value: Any) -> str:
-        return str(value)
-
 
 @dataclass(frozen=True)
 class Items(Kind):
@@ -159,18 +156,19 @@ class Items(Kind):
     bare: bool = False
 
     def read(self, node: YamlNode, scope: Scope) -> tuple[Any, ...]:
-        if self.bare and not isinstance(node.value, list):
+        nodes = list(node.children.values())
+        if self.bare and node.shape is not list:
             return (self.kinds[0].read(node, scope),)
-        if self.bare and not node.value:
+        if self.bare and not nodes:
             what = "the list is empty; at least one value is needed"
             raise node.error(f"{what}, such as {self.such_as}")
-        if not isinstance(node.value, list):
+        if node.shape is not list:
             raise node.error(f"{node.text!r} is not a list, such as {self.such_as}")
-        kinds = self._kinds(len(node.value))
-        if len(node.value) != len(kinds):
-            given, wanted = len(node.value), len(kinds)
-            raise node.error(f"expected {wanted} values, got {given}, such as {self.such_as}")
-        return tuple(kind.read(n, scope) for kind, n in zip(kinds, node.value, strict=True))
+        kinds = self._kinds(len(nodes))
+        if len(nodes) != len(kinds):
+            what = f"expected {len(kinds)} values, got {len(nodes)}"
+            raise node.error(f"{what}, such as {self.such_as}")
+        return tuple(kind.read(each, scope) for kind, each in zip(kinds, nodes, strict=True))
 
     def write(self, value: Any) -> list[Any]:
         return [k.write(v) for k, v in zip(self._kinds(len(value)), value, strict=True)]
@@ -187,11 +185,12 @@ class Table(Kind):
     value: Kind
 
     def read(self, node: YamlNode, scope: Scope) -> dict[str, Any]:
-        if not isinstance(node.value, dict) or not node.value:
+        if node.shape is not dict or not node.children:
             raise node.error(f"{node.text!r} is not a mapping, such as {self.such_as}")
-        for name, child in node.value.items():
-            self.key.read(YamlNode(child.key or child.location, name, name, node), scope)
-        return {name: self.value.read(child, scope) for name, child in node.value.items()}
+        for name, child in node.children.items():
+            key = YamlNode(child.key or child.location, name, name=name, parent=node)
+            self.key.read(key, scope)
+        return {name: self.value.read(child, scope) for name, child in node.children.items()}
 
     def write(self, value: Any) -> dict[str, Any]:
         return {name: self.value.write(each) for name, each in value.items()}
@@ -206,9 +205,6 @@ class Custom(Kind):
     def read(self, node: YamlNode, scope: Scope) -> Any:
         return self.type.from_node(node, scope)
 
-    def write(self, value: Any) -> str:
-        return str(value)
-
 
 @dataclass(frozen=True)
 class Maybe(Kind):
@@ -217,7 +213,7 @@ class Maybe(Kind):
     kind: Kind
 
     def read(self, node: YamlNode, scope: Scope) -> Any:
-        return None if node.value is None else self.kind.read(node, scope)
+        return None if node.is_null else self.kind.read(node, scope)
 
     def write(self, value: Any) -> Any:
         return None if value is None else self.kind.write(value)

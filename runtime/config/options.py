@@ -2,62 +2,52 @@
 
 import argparse
 import json
-from collections.abc import Callable
 from functools import partial
 
 from runtime.config.deployment import Deployment, load
 from runtime.config.overrides import Override
 from runtime.config.tree import ConfigError
 
+_OPTIONS = {
+    "--set": ("PATH=VALUE", "set any value, such as agents.joint/1.gain=0.4"),
+    "--robot": ("NAME", "name of the robot on the network"),
+    "--speed": ("FACTOR", "plant time per real time, such as 4"),
+    "--duration": ("TIME", "end the run after this plant time, such as 10s"),
+    "--seed": ("NUMBER", "seed of everything random"),
+    "--scheduling": ("POLICY", "priority of the processes: normal, realtime or auto"),
+    "--kill": ("ROLE@TIME", "kill a process, such as joint/2@8"),
+    "--hang": ("ROLE@TIME:TIME", "suspend a process for a while, such as joint/2@8:2s"),
+    "--stop": ("ROLE@TIME", "ask a process to stop"),
+    "--revive": ("ROLE@TIME", "start a process again"),
+    "--fault": ("FAULT@TIME", "inject a fault into the robot, such as joint/1:locked@5"),
+    "--partition": ("HOST@TIME:TIME", "cut hosts off from the others, such as arm@8:4s"),
+}
 
-def _set(option: str, text: str) -> Override:
-    path, equals, value = text.partition("=")
-    if not equals:
-        raise ConfigError(f"{option} {text}: write PATH=VALUE, such as {option} period=20ms")
-    return Override(f"{option} {text}", path.strip(), value)
 
-
-def _value(option: str, text: str) -> Override:
-    return Override(f"{option} {text}", option.removeprefix("--"), json.dumps(text))
-
-
-def _chaos(option: str, text: str) -> Override:
+def _override(option: str, text: str) -> Override:
+    source, key = f"{option} {text}", option.removeprefix("--")
+    if key == "set":
+        path, equals, value = text.partition("=")
+        if not equals:
+            raise ConfigError(f"{source}: write PATH=VALUE, such as --set period=20ms")
+        return Override(source, path.strip(), value)
+    if "@" not in _OPTIONS[option][0]:
+        return Override(source, key, json.dumps(text))
     target, at_sign, at = text.rpartition("@")
     if not at_sign:
-        raise ConfigError(f"{option} {text}: the time is missing, such as {option} {text}@8")
+        raise ConfigError(f"{source}: the time is missing, such as {source}@8")
     at, colon, lasting = at.partition(":")
-    action = option.removeprefix("--")
-    event: dict[str, object] = {"at": at, action: target}
-    if action == "partition":
-        event[action] = target.split(",")
-    if colon:
-        event["for"] = lasting
-    return Override(f"{option} {text}", "chaos.+", json.dumps(event))
-
-
-_OPTIONS: tuple[tuple[str, str, Callable[[str, str], Override], str], ...] = (
-    ("--set", "PATH=VALUE", _set, "set any value, such as agents.joint/1.gain=0.4"),
-    ("--robot", "NAME", _value, "name of the robot on the network"),
-    ("--speed", "FACTOR", _value, "plant time per real time, such as 4"),
-    ("--duration", "TIME", _value, "end the run after this plant time, such as 10s"),
-    ("--seed", "NUMBER", _value, "seed of everything random"),
-    ("--scheduling", "POLICY", _value, "priority of the processes: normal, realtime or auto"),
-    ("--kill", "ROLE@TIME", _chaos, "kill a process, such as joint/2@8"),
-    ("--hang", "ROLE@TIME:TIME", _chaos, "suspend a process for a while, such as joint/2@8:2s"),
-    ("--stop", "ROLE@TIME", _chaos, "ask a process to stop"),
-    ("--revive", "ROLE@TIME", _chaos, "start a process again"),
-    ("--fault", "FAULT@TIME", _chaos, "inject a fault into the robot, such as joint/1:locked@5"),
-    ("--partition", "HOST@TIME:TIME", _chaos, "cut hosts off from the others, such as arm@8:4s"),
-)
+    event = {"at": at, key: target.split(",") if key == "partition" else target}
+    return Override(source, "chaos.+", json.dumps(event | ({"for": lasting} if colon else {})))
 
 
 def add_deployment_options(parser: argparse.ArgumentParser) -> None:
     """Add the deployment file, and the options that override its values."""
     parser.add_argument("file", metavar="FILE", help="deployment file, such as deploy/arph.yaml")
     group = parser.add_argument_group("overrides", "All times are plant time.")
-    for option, metavar, make, text in _OPTIONS:
+    for option, (metavar, text) in _OPTIONS.items():
         # Made later, in `load_from`: argparse would hide the message of a ConfigError.
-        note = partial(partial, make, option)
+        note = partial(partial, _override, option)
         group.add_argument(
             option, metavar=metavar, help=text, action="append", dest="overrides", type=note
         )

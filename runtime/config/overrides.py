@@ -26,24 +26,24 @@ class Override(NamedTuple):
         if not all(names):
             raise ConfigError(f"{location}: {self.path!r} is not a path, such as goal.velocity")
         for name, after in zip(names, [*names[1:], None], strict=True):
-            if node.value is None:
-                node.value = [] if name == "+" else {}
+            if node.is_null:
+                node.shape = list if name == "+" else dict
             name = self._key(node, name)
             if after is None:
                 node.put(name, parse(self.value, location))
             elif name not in node.children:
-                node.put(name, YamlNode(location, None))
+                node.put(name, YamlNode(location))
             node = node.find(name)
 
     def _key(self, node: YamlNode, name: str) -> str:
         """Return the key or index of the child that `name` refers to."""
-        if isinstance(node.value, list):
+        if node.shape is list:
             known = {child.role: index for index, child in node.children.items() if child.role}
             if name not in {*known, *node.children, "+"}:
                 has = ", ".join([*(known or node.children), "+ for a new one"])
                 raise ConfigError(f"{self.source}: {node.path} has no {name}; it has {has}")
             return known.get(name, name)
-        if isinstance(node.value, str) or name == "+":
+        if node.shape is str or name == "+":
             what = f"{node.path or 'the file'} is not a {'list' if name == '+' else 'mapping'}"
             raise ConfigError(f"{self.source}: {what}, so {name} cannot be set in it")
         return name

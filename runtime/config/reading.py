@@ -10,7 +10,7 @@ import inspect
 import math
 from collections import ChainMap
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import MISSING, dataclass, fields, is_dataclass
+from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
 from functools import cache
 from pathlib import Path
 from types import NoneType, UnionType
@@ -75,7 +75,8 @@ class Field:
         if self.default is not MISSING:
             return self.default
         if isinstance(self.kind, Structure):  # which may have defaults for all its keys
-            return self.kind.read(YamlNode(node.location, {}, self.key, node), scope)
+            empty = YamlNode(node.location, shape=dict, name=self.key, parent=node)
+            return self.kind.read(empty, scope)
         raise node.error(
             f"the key {self.key!r} is missing, such as {self.key}: {self.kind.such_as}"
         )
@@ -104,9 +105,9 @@ class Structure(Kind):
     rest: tuple[str, Rest] | None
 
     def read(self, node: YamlNode, scope: Scope) -> Any:
-        if isinstance(node.value, str) and (short := getattr(self.type, "short", "")):
-            node = YamlNode(node.location, {short: node}, node.name, node.parent, node.key)
-        if not isinstance(node.value, dict):
+        if node.value is not None and (short := getattr(self.type, "short", "")):
+            node = replace(node, value=None, shape=dict, children={short: node})
+        if node.shape is not dict:
             raise node.error(f"{node.text!r} is not a mapping, such as {self.such_as}")
         _refuse_others(node, self.fields, allowed=self.rest is not None)
         values: dict[str, Any] = {}

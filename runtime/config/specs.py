@@ -165,6 +165,8 @@ class PlantSpec:
     host: Home
     parameters: Parameters
 
+    role: ClassVar[str] = PLANT
+
     @property
     def topics(self) -> tuple[Topic, ...]:
         """What its own sensors publish; loads its class."""
@@ -197,6 +199,8 @@ class GoalSpec:
     class_: Annotated[ClassName[Path], ClassOf("agents.paths:Line", Path, GOAL_SOURCE)]
     host: Home
     parameters: Parameters
+
+    role: ClassVar[str] = GOAL_SOURCE
 
     def build(self) -> Path:
         """Make the path."""
@@ -254,12 +258,12 @@ class _Agents(Items):
     """A list of agents, in which `joint/*` is replaced by one for each joint that is left."""
 
     def read(self, node: YamlNode, scope: Scope) -> tuple[AgentSpec, ...]:
-        if isinstance(node.value, list):
+        if node.shape is list:
             robot: Robot = scope["description"].robot
             left = [part for part in parts_of(robot) if part.startswith("joint/")]
-            left = [part for part in left if part not in {one.role for one in node.value}]
-            listed = list(node.value)
-            node.value.clear()
+            listed = list(node.children.values())
+            left = [part for part in left if part not in {one.role for one in listed}]
+            node.children.clear()
             for one in listed:
                 for role in left if one.role == _EVERY_JOINT else [""]:
                     node.put("+", _in_role(one, role) if role else one)
@@ -268,7 +272,7 @@ class _Agents(Items):
 
 def _in_role(one: YamlNode, role: str) -> YamlNode:
     """Return a copy of an agent's node for that role."""
-    copy = YamlNode(one.location, dict(one.children))
+    copy = YamlNode(one.location, shape=dict, children=dict(one.children))
     copy.put("role", YamlNode(one.children["role"].location, role))
     return copy
 
@@ -306,3 +310,6 @@ class NodeSpec:
             what = f"{self.role!r} is a reserved name; choose another, such as camera"
             raise node.find("role").error(what)
         self.class_.check(node, self.build)
+
+
+Spec = PlantSpec | GoalSpec | AgentSpec | NodeSpec

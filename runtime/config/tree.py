@@ -47,15 +47,20 @@ class Location(NamedTuple):
 
 @dataclass(eq=False)
 class YamlNode:
-    """A value, a list or a mapping as it was written; None if it is empty or null.
+    """A value, a list or a mapping as it was written.
 
     Attributes:
+        shape: `str`, `list` or `dict`.
+        value: The text of a plain value; None if it is empty or null.
+        children: What a list or mapping contains, by key or by index as text.
         name: Its key or index in the parent.
         key: Where its key was written; None without a key.
     """
 
     location: Location
-    value: "str | list[YamlNode] | dict[str, YamlNode] | None"
+    value: str | None = None
+    shape: type = str
+    children: "dict[str, YamlNode]" = field(default_factory=dict)
     name: str = ""
     parent: "YamlNode | None" = field(default=None, repr=False)
     key: Location | None = None
@@ -71,25 +76,23 @@ class YamlNode:
     @property
     def role(self) -> str:
         """The role that names an item of a list instead of its index; empty if there is none."""
-        listed = self.parent is not None and isinstance(self.parent.value, list)
+        listed = self.parent is not None and self.parent.shape is list
         role = self.children["role"].text if listed and "role" in self.children else ""
         return role if re.fullmatch(r"[a-z][\w/*-]*", role) else ""
 
     @property
     def text(self) -> str:
         """Its content in one line."""
-        if isinstance(self.value, dict):
-            return "{" + ", ".join(f"{key}: {n.text}" for key, n in self.value.items()) + "}"
-        if isinstance(self.value, list):
-            return "[" + ", ".join(node.text for node in self.value) + "]"
+        if self.shape is dict:
+            return "{" + ", ".join(f"{key}: {n.text}" for key, n in self.children.items()) + "}"
+        if self.shape is list:
+            return "[" + ", ".join(node.text for node in self.children.values()) + "]"
         return " ".join((self.value or "").split())
 
     @property
-    def children(self) -> "dict[str, YamlNode]":
-        """Its children, by key or by index as text; empty for a plain value."""
-        if isinstance(self.value, list):
-            return {str(index): node for index, node in enumerate(self.value)}
-        return self.value if isinstance(self.value, dict) else {}
+    def is_null(self) -> bool:
+        """Whether it is a plain value, and empty or null."""
+        return self.shape is str and self.value is None
 
     def error(self, message: str, location: Location | None = None) -> ConfigError:
         """Return the error for this value, or for what is at another location inside it."""
@@ -107,21 +110,16 @@ class YamlNode:
 
     def plain(self) -> Any:
         """Return its content as plain dicts, lists and text."""
-        if isinstance(self.value, dict):
-            return {key: node.plain() for key, node in self.value.items()}
-        return [node.plain() for node in self.value] if isinstance(self.value, list) else self.value
+        plain = {key: node.plain() for key, node in self.children.items()}
+        if self.shape is str:
+            return self.value
+        return plain if self.shape is dict else list(plain.values())
 
     def put(self, name: str, node: "YamlNode") -> None:
         """Set a child of a mapping by key, or of a list by index, where `+` appends."""
-        if isinstance(self.value, list):
-            if name == "+":
-                name = str(len(self.value))
-                self.value.append(node)
-            else:
-                self.value[int(name)] = node
-        else:
-            assert isinstance(self.value, dict)
-            self.value[name] = node
+        if self.shape is list and name == "+":
+            name = str(len(self.children))
+        self.children[name] = node
         node.name, node.parent = name, self
 
 
@@ -190,7 +188,7 @@ class _Builder:
     def document(self) -> YamlNode:
         next(self.events)  # the start of the stream
         if isinstance(next(self.events), yaml.StreamEndEvent):
-            return YamlNode(self.start, None)
+            return YamlNode(self.start)
         root = self.node(next(self.events), 0)
         next(self.events)  # the end of the document
         after = next(self.events)
@@ -219,11 +217,11 @@ class _Builder:
             empty = event.implicit[0] and event.value in _NULLS
             node = YamlNode(location, None if empty else event.value)
         elif isinstance(event, yaml.SequenceStartEvent):
-            node = YamlNode(location, [])
+            node = YamlNode(location, shape=list)
             while not isinstance(item := next(self.events), yaml.SequenceEndEvent):
                 node.put("+", self.node(item, depth + 1))
         else:
-            node = self.mapping(YamlNode(location, {}), depth)
+            node = self.mapping(YamlNode(location, shape=dict), depth)
         if event.anchor is not None:
             self.anchors[event.anchor] = node
         return node
@@ -237,7 +235,7 @@ class _Builder:
             child = self.node(next(self.events), depth + 1)
             child.key = location
             if event.value == "<<" and event.implicit[0]:
-                merged += child.value if isinstance(child.value, list) else [child]
+                merged += child.children.values() if child.shape is list else [child]
             elif event.value in node.children:
                 first = node.children[event.value].key
                 raise ConfigError(
@@ -246,9 +244,9 @@ class _Builder:
             else:
                 node.put(event.value, child)
         for source in merged:
-            if not isinstance(source.value, dict):
+            if source.shape is not dict:
                 raise ConfigError(f"{source.location}: << takes a mapping, or a list of mappings")
-            for key, child in source.value.items():
+            for key, child in source.children.items():
                 if key not in node.children:
                     node.put(key, self.copy(child, depth))
         return node
@@ -256,11 +254,9 @@ class _Builder:
     def copy(self, node: YamlNode, depth: int) -> YamlNode:
         """Copy an anchor's node to an alias."""
         self.count_node(depth, node.location)
-        copy = YamlNode(node.location, node.value, key=node.key)
-        if isinstance(node.value, list | dict):
-            copy.value = type(node.value)()
-            for name, child in node.children.items():
-                copy.put("+" if isinstance(copy.value, list) else name, self.copy(child, depth + 1))
+        copy = YamlNode(node.location, node.value, node.shape, key=node.key)
+        for name, child in node.children.items():
+            copy.put(name, self.copy(child, depth + 1))
         return copy
 
     def count_node(self, depth: int, location: Location) -> None:

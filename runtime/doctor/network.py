@@ -5,7 +5,6 @@ import time
 from collections.abc import Iterator
 from contextlib import suppress
 from ipaddress import ip_address
-from typing import NamedTuple
 
 from runtime import VERSION
 from runtime.config.deployment import Deployment
@@ -20,19 +19,6 @@ from runtime.wire.refusals import MessageError
 
 _TIMEOUT = 1.0  # [s] for an answer from a host or a process
 _CLOCKS = 0.1  # [s] by which clocks may differ: logs are compared by them
-
-
-class Health(NamedTuple):
-    """The diagnostics of a process, and how its host's clock compares with this one.
-
-    Attributes:
-        clock_offset: How far the clock of its host is ahead of this one [s].
-        uncertainty: Largest error of that offset [s].
-    """
-
-    diag: Diag
-    clock_offset: float
-    uncertainty: float
 
 
 def check_hosts(deployment: Deployment) -> Iterator[Finding]:
@@ -54,20 +40,19 @@ def check_robot(target: Target, roles: int) -> Iterator[Finding]:
     here = set(robots_here())
     others = sorted(here - {target.robot})
     yield Finding(Grade.OK, "other robots", ", ".join(others) or "none on this machine")
-    found: list[Health] = []
+    diags: list[Diag] = []
     with Bus(target.robot, "a tool", target.mesh.visitor(), 0, target.credentials) as bus:
         asked = time.time()
         answers = bus.ask(topics.EVERY_DIAG, timeout=_TIMEOUT)
         half = (time.time() - asked) / 2
         for answer in answers:
             try:
-                diag = unpack(Diag, answer.data)
-                found.append(Health(diag, diag.clock / 1e6 - asked - half, half))
+                diags.append(unpack(Diag, answer.data))
             except MessageError:
                 what = f"{answer.key} is from another version of MSMA; this one is {VERSION}"
                 yield Finding(Grade.BAD, "versions", what)
-    if found:
-        yield from check_running(target.robot, found)
+    if diags:
+        yield from check_running(target.robot, diags, asked + half, half)
         return
     if target.robot in here:
         what = "another robot of this name runs on this machine, with other ports or hosts"
@@ -94,11 +79,18 @@ def _is_loopback(address: str) -> bool:
     return False
 
 
-def check_running(robot: str, found: list[Health]) -> Iterator[Finding]:
-    """Check a robot that runs: its plant, versions and clocks."""
-    roles = ", ".join(sorted({one.diag.role for one in found}))
+def check_running(robot: str, diags: list[Diag], now: float, error: float) -> Iterator[Finding]:
+    """Check a robot that runs: its plant, versions and clocks.
+
+    Args:
+        robot: Its name.
+        diags: What its processes have answered.
+        now: When they did so [s since 1970].
+        error: Largest error of that time [s].
+    """
+    roles = ", ".join(sorted({diag.role for diag in diags}))
     yield Finding(Grade.WARN, robot, f"runs already: {roles}; stop it with `msma stop`")
-    plants = [one.diag for one in found if one.diag.role == topics.PLANT]
+    plants = [diag for diag in diags if diag.role == topics.PLANT]
     if not plants:
         detail = "is missing, so the other processes will end; start it with `msma revive plant`"
         yield Finding(Grade.BAD, "plant", detail)
@@ -106,15 +98,14 @@ def check_running(robot: str, found: list[Health]) -> Iterator[Finding]:
         where = ", ".join(f"process {diag.pid} on {diag.host}" for diag in plants)
         what = f"{len(plants)} plants answer: {where}; rename one of these robots"
         yield Finding(Grade.BAD, robot, what)
-    for version, host in sorted({(one.diag.version, one.diag.host) for one in found}):
+    for version, host in sorted({(diag.version, diag.host) for diag in diags}):
         if version != VERSION:
             what = f"{host} has {version}, this machine {VERSION}; install the same version on both"
             yield Finding(Grade.BAD, "versions", what)
-    for host in sorted({one.diag.host for one in found}):
-        best = min((one for one in found if one.diag.host == host), key=lambda one: one.uncertainty)
-        if abs(best.clock_offset) > _CLOCKS + best.uncertainty:
-            way = "ahead" if best.clock_offset > 0 else "behind"
-            what = f"{host} is {abs(best.clock_offset):.2f} s {way}; this affects only logs"
+    for host, clock in sorted({diag.host: diag.clock / 1e6 for diag in diags}.items()):
+        if abs(clock - now) > _CLOCKS + error:
+            way = "ahead" if clock > now else "behind"
+            what = f"{host} is {abs(clock - now):.2f} s {way}; this affects only logs"
             yield Finding(Grade.WARN, "clocks", what)
 
 

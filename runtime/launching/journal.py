@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from runtime.config.deployment import Deployment
+from runtime.config.specs import NodeSpec
 from runtime.errors import RunError
 from runtime.processes.log_writer import LogWriter
 from runtime.results.outcome import RunEvent
@@ -59,7 +60,7 @@ class Journal:
 
     def check_end(self, one: ProcessExit) -> None:
         """Note the end of a process; `RunError` if it did not start and the run needs it."""
-        needed = self._deployment.node(one.role) is None
+        needed = not isinstance(self._deployment.specs[one.role], NodeSpec)
         if needed and one.role in self.starting and one.code > 0:  # a killed one did start
             raise RunError(f"{one.role} did not start: {one.said or one.how}")
         self.starting.discard(one.role)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from plant.errors import MsmaError
 from runtime.config.deployment import Deployment, ProcessSpec
+from runtime.config.specs import GoalSpec, NodeSpec
 from runtime.processes.node import Node
 from runtime.processes.process import Process
 from runtime.wire import topics
@@ -45,12 +46,12 @@ def _node(process: Process) -> Node:
         from runtime.processes.plant_process import PlantNode
 
         return PlantNode(process)
-    if role == topics.GOAL_SOURCE and deployment.goal is not None:
+    spec = deployment.specs[role]
+    if isinstance(spec, GoalSpec):
         from runtime.processes.goal_process import GoalNode
 
-        return GoalNode(process, deployment.goal.build())
-    spec = deployment.node(role)
-    if spec is not None:
+        return GoalNode(process, spec.build())
+    if isinstance(spec, NodeSpec):
         process.follow_plant()
         return spec.build()
     from runtime.processes.agent_process import AgentNode

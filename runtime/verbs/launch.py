@@ -7,6 +7,8 @@ import argparse
 from contextlib import ExitStack
 
 from runtime.config.options import add_deployment_options, load_from
+from runtime.config.tree import ConfigError
+from runtime.errors import valid_are
 from runtime.launching.launcher import Launcher, prepare
 from runtime.watching.table import say
 
@@ -32,7 +34,10 @@ def run(args: argparse.Namespace) -> int:
     network = hosts = processes = None
     with ExitStack() as stack:
         if args.host is not None:
-            deployment.check_share(args.host)
+            busy = dict.fromkeys(one.host for one in deployment.processes)
+            if args.host not in busy:
+                hint = valid_are(args.host, busy)
+                raise ConfigError(f"no process runs on a host {args.host!r}{hint}")
             again = ["--host", args.host]
         if args.rehearse:
             from runtime.rehearsal.virtual_network import VirtualNetwork

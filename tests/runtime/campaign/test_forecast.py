@@ -9,9 +9,8 @@ import pytest
 from plant import urdf
 from runtime.campaign.campaign import draw
 from runtime.campaign.forecast import Forecast, forecast
-from runtime.config.chaos import ChaosEvent
+from runtime.config.chaos import ChaosEvent, fault
 from runtime.config.deployment import Deployment, load
-from runtime.config.random_chaos import fault
 from runtime.results.reach import smallest_distance
 
 DEPLOY = Path(__file__).parents[3] / "deploy"

@@ -4,10 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from runtime.config.chaos import ChaosEvent
+from runtime.config.chaos import ChaosEvent, RandomChaos, fault
 from runtime.config.deployment import Deployment, load
 from runtime.config.overrides import Override
-from runtime.config.random_chaos import RandomChaos, fault
 from runtime.config.tree import ConfigError
 
 FILE = Path(__file__).parents[3] / "deploy" / "arph.yaml"

@@ -12,7 +12,7 @@ from runtime import VERSION
 from runtime.config.deployment import load
 from runtime.config.overrides import Override
 from runtime.doctor.machine import Grade
-from runtime.doctor.network import Health, check_hosts, check_robot, check_running
+from runtime.doctor.network import check_hosts, check_robot, check_running
 from runtime.watching.discovery import Target
 from runtime.wire.mesh import Mesh
 from runtime.wire.messages import Diag, Spread
@@ -64,19 +64,21 @@ def test_processes_of_another_machine_are_not_started_here(robot: Robot) -> None
     assert robot.processes() == {}
 
 
-def diag(role: str = "plant", host: str = "here", **changes: Any) -> Health:
+NOW = 1.7e9
+
+
+def diag(role: str = "plant", host: str = "here", offset: float = 0.0, **changes: Any) -> Diag:
     none = Spread(0.0, 0.0, 0.0)
     said = Diag(
         *(1.0, role, host, 42, "runs", 16.7, none, {}, {}, "auto", "/run", "a.yaml"),
         version=VERSION,
-        clock=0,
+        clock=round(1e6 * (NOW + offset)),
     )
-    offset, error = changes.pop("offset", 0.0), changes.pop("error", 0.001)
-    return Health(replace(said, **changes), offset, error)
+    return replace(said, **changes)
 
 
 @pytest.mark.parametrize(
-    ("health", "what", "grade", "parts"),
+    ("diags", "what", "grade", "parts"),
     [
         ([diag("joint/1")], "plant", Grade.BAD, ("is missing", "msma revive plant")),
         ([diag(), diag(host="there")], "arph", Grade.BAD, ("2 plants", "on here", "on there")),
@@ -90,16 +92,18 @@ def diag(role: str = "plant", host: str = "here", **changes: Any) -> Health:
     ],
 )
 def test_doctor_reports_problems_of_a_running_robot(
-    health: list[Health], what: str, grade: Grade, parts: tuple[str, ...]
+    diags: list[Diag], what: str, grade: Grade, parts: tuple[str, ...]
 ) -> None:
-    found = [one for one in check_running("arph", health) if (one.what, one.grade) == (what, grade)]
+    every = check_running("arph", diags, NOW, 0.001)
+    found = [one for one in every if (one.what, one.grade) == (what, grade)]
     assert len(found) == 1
     assert all(part in found[0].detail for part in parts)
 
 
 def test_doctor_reports_no_problem_of_a_healthy_robot() -> None:
-    health = [diag(), diag("joint/1", "there", offset=0.3, error=0.4)]  # an answer that took long
-    assert [one.what for one in check_running("arph", health)] == ["arph"]
+    diags = [diag(), diag("joint/1", "there", offset=0.3)]
+    taking_long = 0.4
+    assert [one.what for one in check_running("arph", diags, NOW, taking_long)] == ["arph"]
 
 
 @pytest.mark.parametrize(
