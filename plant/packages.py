@@ -1,5 +1,6 @@
 """Robot descriptions inside installed Python packages, such as `example-robot-data`."""
 
+import csv
 from importlib import metadata
 from pathlib import Path, PurePosixPath
 
@@ -19,24 +20,24 @@ def find(package: str, file: str) -> Path:
         RobotError: The package is not installed, or has no or several files of that name.
     """
     try:
-        files = metadata.distribution(package).files or []
+        installed = metadata.distribution(package)
     except metadata.PackageNotFoundError:
         raise RobotError(
             f"the package {package!r} is not installed; `pip install {package}` installs it"
         ) from None
+    # its own list of files: `installed.files` parses more, and takes 50 ms for thousands
+    rows = csv.reader((installed.read_text("RECORD") or "").splitlines())
+    files = [row[0] for row in rows if row]
     wanted = PurePosixPath(file).parts
-    found = [each for each in files if each.name == wanted[-1] and _ends(each, wanted)]
+    named = [each for each in files if each.endswith(wanted[-1])]
+    found = [each for each in named if PurePosixPath(each).parts[-len(wanted) :] == wanted]
     if len(found) == 1:
-        return Path(str(found[0].locate()))
+        return Path(str(installed.locate_file(found[0])))
     if found:
-        names = ", ".join(map(str, found[:_SHOWN]))
+        names = ", ".join(found[:_SHOWN])
         raise RobotError(f"the package {package!r} has several files {file}; give more of: {names}")
     stem = wanted[-1].partition(".")[0].lower()
-    robots = [str(each) for each in files if each.suffix in (".urdf", ".xacro")]
+    robots = [each for each in files if each.endswith((".urdf", ".xacro"))]
     alike = [name for name in robots if stem in name.lower()] or robots
     names = ", ".join(alike[:_SHOWN]) + (", ..." if len(alike) > _SHOWN else "")
     raise RobotError(f"the package {package!r} has no file {file}; it has {names or 'no robot'}")
-
-
-def _ends(path: PurePosixPath, wanted: tuple[str, ...]) -> bool:
-    return path.parts[-len(wanted) :] == wanted

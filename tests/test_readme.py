@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from runtime.config.deployment import load
 from tests.runtime.conftest import DEADLINE, free_name, wait_for
 
 ROOT = Path(__file__).parent.parent
@@ -115,7 +116,7 @@ def test_a_running_robot_is_controlled_from_another_terminal(place, robot):
 
 
 def test_the_agent_and_the_node_of_ones_own_can_be_deployed(place):
-    (agent, node), (agents, nodes) = blocks("python"), blocks("yaml")
+    (agent, node), (_, agents, nodes) = blocks("python"), blocks("yaml")
     (place / "mine.py").write_text(agent)
     (place / "mine_too.py").write_text(node)
     deployment = (place / "deploy" / "arph.yaml").read_text()
@@ -128,6 +129,12 @@ def test_the_agent_and_the_node_of_ones_own_can_be_deployed(place):
     (log,) = place.glob("runs/*/odometer.jsonl")
     end = json.loads(log.read_text().splitlines()[-1])
     assert (end["event"], end["code"]) == ("end", 0)
+
+
+def test_the_robot_of_ones_own_loads(tmp_path):
+    (tmp_path / "mine.yaml").write_text(blocks("yaml")[0])
+    deployment = load(tmp_path / "mine.yaml")
+    assert [agent.role for agent in deployment.agents] == ["joint/1", "joint/2", "joint/3"]
 
 
 def test_what_it_links_to_is_there():
