@@ -1,7 +1,6 @@
 """Robot descriptions inside installed Python packages, such as `example-robot-data`."""
 
 import csv
-from importlib import metadata
 from pathlib import Path, PurePosixPath
 
 from plant.robot import RobotError
@@ -19,6 +18,8 @@ def find(package: str, file: str) -> Path:
     Raises:
         RobotError: The package is not installed, or has no or several files of that name.
     """
+    from importlib import metadata  # slow to import, and few robots are in a package
+
     try:
         installed = metadata.distribution(package)
     except metadata.PackageNotFoundError:

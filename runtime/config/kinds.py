@@ -197,16 +197,6 @@ class Table(Kind):
 
 
 @dataclass(frozen=True)
-class Custom(Kind):
-    """A class that reads a value by its own `from_node(node, scope)`, and `str` writes it."""
-
-    type: Any
-
-    def read(self, node: YamlNode, scope: Scope) -> Any:
-        return self.type.from_node(node, scope)
-
-
-@dataclass(frozen=True)
 class Maybe(Kind):
     """A value, or null for None."""
 

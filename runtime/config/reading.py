@@ -2,8 +2,8 @@
 
 What a value may be is stated once, where it is declared: in a dataclass, or in the signature of a
 class that a deployment names. `kind_of` understands `float`, `int`, `bool`, `str`, `Path`,
-`Literal`, `tuple`, `Mapping`, `X | None`, dataclasses, classes with a `from_node`, and `Annotated`
-with a unit such as "m/s", which applies to all numbers of a tuple, or with a `Kind`.
+`Literal`, `tuple`, `Mapping`, `X | None`, dataclasses, and `Annotated` with a unit such as "m/s",
+which applies to all numbers of a tuple, or with a `Kind`.
 """
 
 import inspect
@@ -185,8 +185,6 @@ def kind_of(annotation: Any, unit: Unit = "1") -> Kind:
         return kinds.Table(f"{{{key.such_as}: {value.such_as}}}", key, value)
     if origin is Literal:
         return kinds.Choice(str(args[0]), {str(value): value for value in args})
-    if hasattr(base, "from_node"):
-        return kinds.Custom(base.such_as, base)
     if is_dataclass(base):
         return _structure(base)
     leaves: dict[Any, Kind] = {

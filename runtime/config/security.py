@@ -5,9 +5,9 @@ import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import ClassVar, Self
+from typing import Annotated
 
-from runtime.config.kinds import Scope, Text
+from runtime.config.kinds import Kind, Scope, Text
 from runtime.config.tree import ConfigError, YamlNode
 from runtime.wire.security import Credentials
 from runtime.wire.topics import STANDARD, Contract
@@ -25,16 +25,16 @@ class KeyFolder:
     path: Path
     file: str = field(compare=False)
 
-    such_as: ClassVar[str] = "keys"
-
-    @classmethod
-    def from_node(cls, node: YamlNode, scope: Scope) -> Self:
-        """Read a path that is relative to the file that names it."""
-        text = Text(cls.such_as, "a folder", ".+").read(node, scope)
-        return cls(node.location.absolute(text), node.location.source)
-
     def __str__(self) -> str:
         return str(self.path)
+
+
+class _Folder(Kind):
+    """A folder, relative to the file that names it."""
+
+    def read(self, node: YamlNode, scope: Scope) -> KeyFolder:
+        text = Text(self.such_as, "a folder", ".+").read(node, scope)
+        return KeyFolder(node.location.absolute(text), node.location.source)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,7 +45,7 @@ class SecuritySpec:
         keys: Folder of the certificates and private keys, which `msma keys` creates.
     """
 
-    keys: KeyFolder
+    keys: Annotated[KeyFolder, _Folder("keys")]
 
     def credentials(
         self, name: str, roles: Sequence[str], contract: Contract = STANDARD
@@ -57,10 +57,10 @@ class SecuritySpec:
         """
         credentials = Credentials(self.keys.path, name, tuple(roles), contract)
         if not credentials.authority.exists():
-            raise self._error(f"there are no certificates in {self.keys}", "")
+            raise self._error(f"there are no certificates in {self.keys}", self.remedy())
         for file in (credentials.certificate, credentials.private_key):
             if not file.exists():
-                raise self._error(f"there is no {file}", " --overwrite")
+                raise self._error(f"there is no {file}", self.remedy(" --overwrite"))
             if not os.access(file, os.R_OK):
                 raise ConfigError(f"{self.keys.file}: security.keys: {file} cannot be read")
         return credentials
@@ -71,7 +71,5 @@ class SecuritySpec:
         folder = str(self.keys) if folder.startswith("..") else folder
         return f"msma keys{option} {shlex.quote(folder)} {shlex.quote(self.keys.file)}"
 
-    def _error(self, what: str, how: str) -> ConfigError:
-        return ConfigError(
-            f"{self.keys.file}: security.keys: {what}; create them: {self.remedy(how)}"
-        )
+    def _error(self, what: str, remedy: str) -> ConfigError:
+        return ConfigError(f"{self.keys.file}: security.keys: {what}; create them: {remedy}")

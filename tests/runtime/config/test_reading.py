@@ -2,12 +2,12 @@ import math
 from collections.abc import Mapping
 from dataclasses import MISSING, dataclass
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import Annotated, Any, Literal
 
 import pytest
 import yaml
 
-from runtime.config.kinds import File, Quantity, Scope, Text, Whole
+from runtime.config.kinds import File, Kind, Quantity, Scope, Text, Whole
 from runtime.config.reading import Derived, Field, Rest, kind_of, parameters_of
 from runtime.config.tree import ConfigError, Location, YamlNode, parse
 
@@ -112,21 +112,21 @@ def test_an_annotation_that_no_file_can_say_is_refused(annotation: Any) -> None:
 
 
 class Colour:
-    """Reads itself."""
-
-    such_as: ClassVar[str] = "#ff0000"
-
     def __init__(self, code: str) -> None:
         self.code = code
 
-    @classmethod
-    def from_node(cls, node: YamlNode, scope: Scope) -> Self:
-        if not node.text.startswith("#"):
-            raise node.error(f"{node.text} has no #")
-        return cls(node.text)
-
     def __str__(self) -> str:
         return self.code
+
+
+class Hex(Kind):
+    def read(self, node: YamlNode, scope: Scope) -> Colour:
+        if not node.text.startswith("#"):
+            raise node.error(f"{node.text} has no #")
+        return Colour(node.text)
+
+
+OWN_KIND = Annotated[Colour, Hex("#ff0000")]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -198,10 +198,10 @@ def test_a_mapping_that_does_not_fit_is_refused_at_the_key_or_value(text: str, s
     assert refused(text, Cart).startswith(f"x.yaml:{says}")
 
 
-def test_a_class_may_read_its_values_itself() -> None:
-    kind = kind_of(Colour)
-    assert kind.write(read("'#123456'", Colour)) == "#123456"
-    assert refused("red", Colour) == "x.yaml:1:1: red has no #"
+def test_a_value_may_be_of_a_kind_of_its_own() -> None:
+    kind = kind_of(OWN_KIND)
+    assert kind.write(read("'#123456'", OWN_KIND)) == "#123456"
+    assert refused("red", OWN_KIND) == "x.yaml:1:1: red has no #"
     assert kind.such_as == "#ff0000"
 
 
