@@ -34,21 +34,26 @@ def step_base(
     drive: Drive, base: Numbers, velocity: Numbers, wanted: Numbers, period: float
 ) -> tuple[Numbers, Numbers]:
     """Return pose (x, y [m], heading [rad]) and velocity of the base one `period` [s] later."""
-    limits = zip(wanted, velocity, drive.max_velocity, drive.max_acceleration, strict=True)
-    moving = [limited(goal, now, top, change * period) for goal, now, top, change in limits]
-    return arc(base, moving, period), tuple(moving)
+    changes = drive.max_linear_acceleration * period, drive.max_angular_acceleration * period
+    linear = limited(wanted[0], velocity[0], drive.max_linear, changes[0])
+    angular = limited(wanted[1], velocity[1], drive.max_angular, changes[1])
+    moving: Numbers = (linear, angular)
+    if drive.kind == "holonomic":
+        lateral = limited(wanted[2], velocity[2], drive.max_velocity[2], changes[0])
+        moving = (linear, angular, lateral)
+    return arc(base, moving, period), moving
 
 
-def arc(base: Numbers, velocity: Sequence[float], period: float) -> Numbers:
+def arc(base: Numbers, velocity: Numbers, period: float) -> Numbers:
     """Return where a base is after `period` [s] at constant `velocity`, from `base`."""
     x, y, heading = base
-    linear, angular, *lateral = velocity
+    linear, angular = velocity[:2]
     half = 0.5 * period * angular
     chord = period * linear * (1.0 if half == 0.0 else math.sin(half) / half)
     middle = heading + half
     x, y = x + chord * math.cos(middle), y + chord * math.sin(middle)
-    if lateral:
-        chord = period * lateral[0] * (1.0 if half == 0.0 else math.sin(half) / half)
+    if len(velocity) > 2:
+        chord = period * velocity[2] * (1.0 if half == 0.0 else math.sin(half) / half)
         x, y = x - chord * math.sin(middle), y + chord * math.cos(middle)
     return x, y, middle + half
 
