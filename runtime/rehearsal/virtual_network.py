@@ -62,6 +62,7 @@ class VirtualNetwork(ExitStack):
         self._switch = self._start(switch, pass_fds=files)
         for file in files:
             os.close(file)
+        self._update_switch()  # when it answers there is a network
 
     def _start(
         self, command: list[str], stderr: IO[bytes] | None = None, pass_fds: Sequence[int] = ()
@@ -83,11 +84,15 @@ class VirtualNetwork(ExitStack):
     def impair(self, event: ChaosEvent, *, over: bool) -> None:
         """Begin a partition, a delay or a loss for the event's hosts, or end it."""
         (self._impairing.remove if over else self._impairing.append)(event)
+        self._update_switch()
+
+    def _update_switch(self) -> None:
+        """Send all impairments to the switch, and wait until it has them."""
         assert self._switch.stdin is not None
         assert self._switch.stdout is not None
         self._switch.stdin.write(msgspec.json.encode(self._impairing) + b"\n")
         self._switch.stdin.flush()
-        self._switch.stdout.readline()  # it has them
+        self._switch.stdout.readline()
 
 
 def _check(deployment: Deployment) -> None:
