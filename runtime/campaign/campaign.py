@@ -24,9 +24,9 @@ from runtime.errors import RunError
 from runtime.launching.launcher import Launcher, prepare
 from runtime.processes.lifetime import FAILED
 from runtime.results.evaluation import evaluate
-from runtime.results.finishing import close
 from runtime.results.logs import log_lines
 from runtime.results.run_log import RunLogError, read_run_log
+from runtime.results.summary import close
 from runtime.spawning.identity import ProcessId, processes_in
 from runtime.spawning.registry import forget
 from runtime.spawning.tasks import last_line, spawn

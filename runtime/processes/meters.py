@@ -1,7 +1,7 @@
 """Measurements of a process by itself, in constant memory and next to no time."""
 
 import math
-from collections import defaultdict
+from collections import OrderedDict, defaultdict
 from collections.abc import Mapping
 
 from runtime.wire.messages import Spread
@@ -53,26 +53,25 @@ class Rate:
         return more / elapsed if elapsed > 0 else 0.0
 
 
-_KEPT = 512  # the last so many states at least can be answered
+_KEPT = 512  # states that can be answered
 
 
 class AnswerTimes:
     """Latency from publishing a state to the arrival of each role's answer to it."""
 
     def __init__(self) -> None:
-        self._sent: dict[float, float] = {}  # time [s] of each state, by its plant time
-        self._before: dict[float, float] = {}  # those of earlier states
+        self._sent = OrderedDict[float, float]()  # time [s] of each state, by its plant time
         self._durations = defaultdict[str, Durations](Durations)
 
     def sent(self, t: float, now: float) -> None:
         """Note that the state of plant time `t` [s] was published `now` [s]."""
-        if len(self._sent) == _KEPT:
-            self._before, self._sent = self._sent, {}
         self._sent[t] = now
+        if len(self._sent) > _KEPT:
+            self._sent.popitem(last=False)
 
     def answered(self, role: str, t: float, now: float) -> None:
         """Note that the answer of a role to the state of `t` [s] arrived `now` [s]."""
-        sent = self._sent.get(t) or self._before.get(t)
+        sent = self._sent.get(t)
         if sent is not None and now >= sent:
             self._durations[role].add(now - sent)
 

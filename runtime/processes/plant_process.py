@@ -3,6 +3,7 @@
 import time
 from collections import deque
 from collections.abc import Mapping
+from contextlib import closing
 
 from plant.errors import MsmaError
 from plant.faults import Fault
@@ -58,27 +59,23 @@ class PlantNode(Node):
     def run(self, context: Context) -> None:
         """Move in real time until the run's duration is over."""
         self._plant.open()
-        try:
-            self._run()
-        finally:
-            self._plant.close()
-
-    def _run(self) -> None:
-        pacer = Pacer(self._period / self._speed)
-        self._wait_for_the_first_command(pacer)
-        if self._ended():
-            return
-        self.state = "runs"
-        if self._plant.truth() is None:
-            self._process.log.write(self._process.t, "no truth", logged="what the sensors measure")
-        self._log_motion([])
-        while not self._ended():
-            if self._duration is not None and self._process.t >= self._duration - 1e-9:
-                self._publish_the_end()
+        with closing(self._plant):
+            pacer = Pacer(self._period / self._speed)
+            self._wait_for_the_first_command(pacer)
+            if self._ended():
                 return
-            now = pacer.wait(self._ended)
-            self._turn(now)
-            self.work.add(time.monotonic() - now)
+            self.state = "runs"
+            if self._plant.truth() is None:
+                what = "what the sensors measure"
+                self._process.log.write(self._process.t, "no truth", logged=what)
+            self._log_motion([])
+            while not self._ended():
+                if self._duration is not None and self._process.t >= self._duration - 1e-9:
+                    self._publish_the_end()
+                    return
+                now = pacer.wait(self._ended)
+                self._turn(now)
+                self.work.add(time.monotonic() - now)
 
     def _ended(self) -> bool:
         return self._process.ending.reason is not None
@@ -145,11 +142,7 @@ class PlantNode(Node):
         self._process.log.write(self._process.t, "obeys", role=role, by=f"{by:x}")
 
     def _log_motion(self, ages: list[float | None]) -> None:
-        truth = self._plant.truth()
-        if truth is None:
-            self._process.log.line(self._motion_log.of_readings(self._readings, ages))
-        else:
-            self._process.log.line(self._motion_log.of_truth(truth, ages))
+        self._process.log.line(self._motion_log.line(self._plant.truth(), self._readings, ages))
 
     def _publish_the_end(self) -> None:
         """Go on publishing the last state for a moment."""

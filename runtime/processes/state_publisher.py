@@ -99,23 +99,26 @@ class MotionLog:
             f'"base": {many(3)}, "base_velocity": {many(robot.base_speeds)}, "age": [%s]}}'
         )
 
-    def of_truth(self, truth: Truth, ages: Sequence[float | None]) -> str:
-        """Return the line of the true motion, with the age of each motor's command [s]."""
-        return self._line % (
+    def line(self, truth: Truth | None, readings: Readings, ages: Sequence[float | None]) -> str:
+        """Return the line of the true motion, with the age of each motor's command [s].
+
+        If the truth is not known, it is what the sensors measured, with null for what they did not.
+        """
+        motion = truth or self._measured(readings)
+        line = self._line % (
             time.time(),
-            truth.t,
-            *truth.position,
-            *truth.q,
-            *truth.qd,
-            *truth.base,
-            *truth.base_velocity,
+            motion.t,
+            *motion.position,
+            *motion.q,
+            *motion.qd,
+            *motion.base,
+            *motion.base_velocity,
             ", ".join(["null" if age is None else f"{age:.6f}" for age in ages]),
         )
+        return line if truth else line.replace("nan", "null")
 
-    def of_readings(self, readings: Readings, ages: Sequence[float | None]) -> str:
-        """Return the same line of what the sensors measured, with null for what they did not."""
+    def _measured(self, readings: Readings) -> Truth:
         t, q, qd, position, _, base, _ = readings
-        base, velocity = (0.0,) * 3 if base is None else numbers(base), self._unknown
+        base = (0.0,) * 3 if base is None else numbers(base)
         hand = (math.nan,) * 3 if position is None else numbers(position)
-        measured = Truth(t, numbers(q), numbers(qd), base, velocity, hand, rotation=())
-        return self.of_truth(measured, ages).replace("nan", "null")
+        return Truth(t, numbers(q), numbers(qd), base, self._unknown, hand, rotation=())

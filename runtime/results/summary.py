@@ -1,10 +1,11 @@
-"""The summary of a run: text for people, `summary.json` for programs."""
+"""The end of a run: its summary, as text for people and `summary.json` for programs, and a plot."""
 
 import json
 import math
 import shlex
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,7 @@ from runtime.processes.lifetime import FAILED, INTERRUPTED, OK
 from runtime.results.evaluation import SETTLING, Evaluation, PlatformMotion, Tracking, evaluate
 from runtime.results.logs import read_log
 from runtime.results.outcome import RunEvent, RunOutcome
-from runtime.results.run_log import RunLog
+from runtime.results.run_log import RunLog, RunLogError, read_run_log
 from runtime.watching.table import columns, distance, milliseconds
 from runtime.wire.messages import Spread
 from runtime.wire.topics import PLANT
@@ -98,6 +99,48 @@ class Summary:
                 what = f"{end:.1f} deg off straight at the end, {least:.1f} deg at least"
                 facts.append((f"  {joint.name}", what))
         return facts + events
+
+
+def save(file: Path, write: Callable[[Path], object]) -> str:
+    """Let `write` write a file; return why it could not, or "". No partial file is left."""
+    try:
+        write(file)
+    except OSError as error:
+        with suppress(OSError):
+            file.unlink(missing_ok=True)
+        return f"  {file} cannot be written: {error.strerror or error}"
+    return ""
+
+
+def close(
+    deployment: Deployment,
+    run: Path,
+    outcome: RunOutcome,
+    again: Sequence[str] = (),
+    plot: bool = True,
+) -> tuple[Summary, str]:
+    """Write `summary.json` and a plot to a run's folder; `again` are the options to repeat it.
+
+    Returns:
+        The summary, and what to say about the files.
+    """
+    try:
+        log = read_run_log(run)
+    except RunLogError:
+        log = None
+    summary = summarise(deployment, run, outcome, log, again)
+    text = summary.to_json()
+    said = [save(run / "summary.json", lambda file: file.write_text(text, encoding="utf-8"))]
+    if plot and log is not None:
+        try:
+            from runtime.results.plots import draw
+        except ImportError:
+            said.append("  no plot without matplotlib: pip install 'msma[plots]'")
+        else:
+            file = run / "path.png"
+            problem = save(file, lambda file: draw(log, deployment, summary.events, file))
+            said.append(problem or f"  plot: {file}")
+    return summary, "\n".join(filter(None, said))
 
 
 def summarise(

@@ -17,8 +17,7 @@ from runtime.campaign.report import CampaignReport, as_options
 from runtime.config.options import add_deployment_options, given, load_from
 from runtime.processes.lifetime import FAILED, INTERRUPTED, OK
 from runtime.processes.log_writer import new_run_folder
-from runtime.results.finishing import save
-from runtime.results.summary import MISSED
+from runtime.results.summary import MISSED, save
 from runtime.watching.table import say
 
 _COLUMNS = (*Progress.get_default_columns()[:2], MofNCompleteColumn(), TimeRemainingColumn())

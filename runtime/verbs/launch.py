@@ -56,7 +56,7 @@ def run(args: argparse.Namespace) -> int:
 
             processes = RemoteProcesses(folder, hosts, away=args.ssh)
         outcome = Launcher(deployment, folder, network, processes, args.host).go()
-    from runtime.results.finishing import close
+    from runtime.results.summary import close
 
     summary, plot = close(deployment, folder, outcome, again)
     say(f"{summary.text()}\n{plot}".rstrip())

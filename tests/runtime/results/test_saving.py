@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from runtime.results.finishing import save
+from runtime.results.summary import save
 
 
 def test_a_file_that_can_be_written_gives_no_message(tmp_path: Path) -> None:
