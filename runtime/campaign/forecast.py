@@ -7,13 +7,14 @@ others puts the hand on the goal, from anywhere if the platform is alive and oth
 stopped. So where the agents merely fail, the goal counts as within reach.
 """
 
+import math
 from collections import Counter
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
-from agents.agent import Agent, Array, Percepts
+from agents.agent import Agent, Percepts
 from agents.paths import Path
 from plant.faults import Fault
 from plant.kinematic import KinematicPlant
@@ -83,8 +84,8 @@ def forecast(deployment: Deployment, path: Path, duration: float) -> Forecast:
     held = {target for target, kind in faults.items() if kind in ("locked", "limp")}
     alive = {role for role in parts_of(robot) if processes.is_up(role)} - held
     return Forecast(
-        error=_distance(np.asarray(truth.position), intended),
-        misled=_distance(published, intended),
+        error=math.dist(truth.position, intended),
+        misled=math.dist(published, intended),
         nearest=smallest_distance(
             robot,
             published,
@@ -94,10 +95,6 @@ def forecast(deployment: Deployment, path: Path, duration: float) -> Forecast:
             roams=PLATFORM_AGENT in alive,
         ),
     )
-
-
-def _distance(here: Array, there: Array) -> float:
-    return float(np.linalg.norm(here - there))
 
 
 class _AgentTeam:
@@ -131,13 +128,9 @@ class _AgentTeam:
         """Return the commands of the agents that are up; other joints rest."""
         velocities, base = np.zeros(robot.n), np.zeros(robot.base_speeds)
         for spec in self._deployment.agents:
-            if not self.is_up(spec.role):
-                continue
-            wanted = self._agents[spec.role].decide(percepts)
-            if wanted is None:
-                continue
-            if spec.joint is None:
+            wanted = self._agents[spec.role].decide(percepts) if self.is_up(spec.role) else None
+            if wanted is not None and spec.joint is None:
                 base[:] = wanted
-            else:
+            elif wanted is not None:
                 velocities[spec.joint] = float(wanted)
         return Commands(velocities, base)

@@ -10,7 +10,7 @@ _AT_A_TIME = 0.1  # [s] of sleep, so that the end is noticed in between
 class Pacer:
     """Waits for one deadline after another, a period apart.
 
-    After an overrun it starts again from there: `missed` counts deadlines that are not made up for.
+    After an overrun of more than a period it starts again from there.
     """
 
     def __init__(
@@ -19,7 +19,6 @@ class Pacer:
         clock: Callable[[], float] = time.monotonic,
         sleep: Callable[[float], None] = time.sleep,
     ) -> None:
-        self.missed = 0
         self._period, self._clock, self._sleep = period, clock, sleep
         self._deadline = clock()
 
@@ -28,7 +27,6 @@ class Pacer:
         self._deadline += self._period
         now = self._clock()
         if now - self._deadline >= self._period:
-            self.missed += int((now - self._deadline) / self._period)
             self._deadline = now
         while (left := self._deadline - now) > 0 and not ended():
             self._sleep(min(left, _AT_A_TIME))

@@ -12,7 +12,7 @@ from typing import Any
 
 from runtime.config.deployment import Deployment
 from runtime.processes.lifetime import FAILED, INTERRUPTED, OK
-from runtime.results.evaluation import SETTLING, Evaluation, PlatformMotion, Tracking, evaluate
+from runtime.results.evaluation import SETTLING, Evaluation, Tracking, evaluate
 from runtime.results.logs import read_log
 from runtime.results.outcome import RunEvent, RunOutcome
 from runtime.results.run_log import RunLog, RunLogError, read_run_log
@@ -76,29 +76,36 @@ class Summary:
 
     def text(self) -> str:
         """Return the summary for a terminal."""
-        lines = [f"{self.robot}: {self.headline}", *columns(self._facts()), ""]
+        lines = [f"{self.robot}: {self.headline}", *columns(list(self._facts())), ""]
         table = [("role", "pid", "host", "restarts", "loop Hz", "answer ms", "refused")]
         lines += [f"  {line}" for line in columns(table + [_line(one) for one in self.processes])]
         lines += ["", f"  answer: median/99 %/worst. All in {self.run}", f"  again: {self.again}"]
         return "\n".join(lines)
 
-    def _facts(self) -> list[tuple[str, str]]:
-        events = [(f"  {one.t:.2f} s", one.text) for one in self.events]
-        if self.evaluation is None:
-            return events
-        facts = []
-        if self.evaluation.tracking:
-            facts += _of_hand(self.evaluation.tracking, self.tolerance)
-        if self.evaluation.by_sensors:
-            facts.append(("  motion", "as the sensors measured it: this plant knows no truth"))
-        if self.evaluation.platform:
-            facts += _of_platform(self.evaluation.platform)
-        for joint in self.evaluation.joints:
-            if "elbow" in joint.name:
-                end, least = (math.degrees(abs(a)) for a in (joint.final, joint.straightest))
-                what = f"{end:.1f} deg off straight at the end, {least:.1f} deg at least"
-                facts.append((f"  {joint.name}", what))
-        return facts + events
+    def _facts(self) -> Iterator[tuple[str, str]]:
+        if self.evaluation is not None:
+            if hand := self.evaluation.tracking:
+                yield "  hand", f"{distance(hand.worst)} off at worst after {SETTLING:g} s"
+                within = f"within {distance(self.tolerance)} for {100 * hand.within:.1f} %"
+                good = "" if hand.since is None else f", for good since {hand.since:.2f} s"
+                yield "", f"{within} of that time{good}"
+            if self.evaluation.by_sensors:
+                yield "  motion", "as the sensors measured it: this plant knows no truth"
+            if base := self.evaluation.platform:
+                backwards = "went backwards" if base.reversed else "never went backwards"
+                yield "  platform", f"{backwards}: {base.least_speed:.3f} m/s at least"
+                heading, to_hand, yaw = map(_degrees, (base.heading, base.to_hand, base.arm_yaw))
+                yield "", f"heading {heading}; the hand {to_hand} off it, joint 1 at {yaw}"
+            for joint in self.evaluation.joints:
+                if "elbow" in joint.name:
+                    end, least = map(_degrees, (abs(joint.final), joint.straightest))
+                    yield f"  {joint.name}", f"{end} off straight at the end, {least} at least"
+        for event in self.events:
+            yield f"  {event.t:.2f} s", event.text
+
+
+def _degrees(angle: float) -> str:
+    return f"{math.degrees(angle):.1f} deg"
 
 
 def save(file: Path, write: Callable[[Path], object]) -> str:
@@ -208,24 +215,6 @@ def _reached(tracking: Tracking, t: float, tolerance: float) -> tuple[int, str]:
     if tracking.nearest > tolerance:
         why = f"; it is {distance(tracking.nearest)} out of reach"
     return MISSED, f"goal missed: {off}{why} from where the platform is"
-
-
-def _of_hand(tracking: Tracking, tolerance: float) -> list[tuple[str, str]]:
-    within = f"within {distance(tolerance)} for {100 * tracking.within:.1f} % of that time"
-    if tracking.since is not None:
-        within += f", for good since {tracking.since:.2f} s"
-    worst = f"{distance(tracking.worst)} off at worst after {SETTLING:g} s"
-    return [("  hand", worst), ("", within)]
-
-
-def _of_platform(platform: PlatformMotion) -> list[tuple[str, str]]:
-    backwards = "went backwards" if platform.reversed else "never went backwards"
-    angles = platform.heading, platform.to_hand, platform.arm_yaw
-    heading, hand, yaw = (f"{math.degrees(angle):.1f} deg" for angle in angles)
-    return [
-        ("  platform", f"{backwards}: {platform.least_speed:.3f} m/s at least"),
-        ("", f"heading {heading}; the hand {hand} off it, joint 1 at {yaw}"),
-    ]
 
 
 def _logged(deployment: Deployment, run: Path, log: RunLog | None) -> Iterator[RunEvent]:
