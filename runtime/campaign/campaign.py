@@ -33,12 +33,9 @@ from runtime.spawning.tasks import last_line, spawn
 from runtime.tls.verification import verify_all
 from runtime.watching.table import distance
 
-MAX_FAULTS = 3
-"""Each run gets one to this many faults, each in another process."""
-FAULTS_FROM, FAULTS_TO = 1 / 6, 5 / 8
-"""Faults begin between these shares of a run's duration."""
-MIN_LASTING, MAX_LASTING = 0.5, 3.0
-"""Length of a hang, or time between a kill and the restart [s, plant time]."""
+_MAX_FAULTS = 3  # at most in a run, each in another process
+_FAULTS_FROM, _FAULTS_TO = 1 / 6, 5 / 8  # shares of a run's duration
+_MIN_LASTING, _MAX_LASTING = 0.5, 3.0  # [s, plant time] of a hang, or from a kill to the restart
 _MAX_DRAWS = 100  # draws of one seed, until one leaves the goal within reach
 _POLL_PERIOD = 0.05  # [s]
 _SHUTDOWN_TIMEOUT = 20.0  # [s] from the end of a run until all its processes must have ended
@@ -74,11 +71,11 @@ def draw(deployment: Deployment, seed: int) -> Deployment:
     targets = deployment.chaos_targets
     for _ in range(_MAX_DRAWS):
         events: list[ChaosEvent] = []
-        count = int(rng.integers(1, MAX_FAULTS + 1))
+        count = int(rng.integers(1, _MAX_FAULTS + 1))
         for role in rng.choice(targets, min(count, len(targets)), False):
-            at = float(rng.uniform(FAULTS_FROM, FAULTS_TO)) * duration
-            longest = max(MIN_LASTING, min(MAX_LASTING, duration / 8))
-            lasting = float(rng.uniform(MIN_LASTING, longest))
+            at = float(rng.uniform(_FAULTS_FROM, _FAULTS_TO)) * duration
+            longest = max(_MIN_LASTING, min(_MAX_LASTING, duration / 8))
+            lasting = float(rng.uniform(_MIN_LASTING, longest))
             manner = str(rng.choice(MANNERS))
             events += fault(str(role), manner, round(at, 2), round(lasting, 2))
         chaos = (*deployment.chaos, *sorted(events, key=lambda event: event.at))

@@ -50,10 +50,7 @@ class Forecast(NamedTuple):
 
 
 def forecast(deployment: Deployment, path: Path, duration: float) -> Forecast:
-    """Simulate a deployment with the path of its goal and its chaos for a `duration` [s].
-
-    Network events are ignored.
-    """
+    """Simulate a deployment with its path and chaos for a `duration` [s]; the network is sound."""
     deployment = replace(deployment, period=max(deployment.period, _COARSEST))
     processes = _AgentTeam(deployment)
     start, robot = deployment.start, deployment.description.robot

@@ -18,10 +18,8 @@ from runtime.results.evaluation import errors
 from runtime.results.logs import read_log
 from runtime.results.run_log import RunLog
 
-ERROR_WINDOW = 3.0
-"""How long after a fault the hand's error is attributed to it [s, plant time]."""
-GAP_WINDOW = 1.0
-"""How long after a fault gaps in the others' commands are attributed to it [s, plant time]."""
+_ERROR_WINDOW = 3.0  # [s, plant time] for which the hand's error is attributed to a fault
+_GAP_WINDOW = 1.0  # [s, plant time] for which gaps in the others' commands are
 _LEASE = 0.25  # [s] after which a hung process counts as gone
 _STARTUP = 1.0  # [s, plant time] during which processes start; gaps are ignored
 
@@ -40,7 +38,7 @@ class FaultImpact:
         gap_role: The role of that agent.
         detected: Time until the launcher's watcher, and so `status`, saw it [s, real]; None if
             the launcher was killed or hung before, or does not watch such a process.
-        error: Largest distance of the hand from its goal in the `ERROR_WINDOW` after [m].
+        error: Largest distance of the hand from its goal in the 3 s after [m].
         standbys: How many other processes had the role at that time.
         silence: How long the plant received no new command of the role [s, plant time]; None if
             it received none again, and for roles that command nothing.
@@ -116,7 +114,7 @@ def measure_impact(deployment: Deployment, run: Path, log: RunLog) -> Impact:
             (until - since, role)
             for role, alive in gaps.items()
             for since, until in alive
-            if role != one.role and one.t <= until and since <= one.t + GAP_WINDOW
+            if role != one.role and one.t <= until and since <= one.t + _GAP_WINDOW
         ]
         gap, gap_role = max(near, default=(None, ""))
         seen = (
@@ -125,7 +123,7 @@ def measure_impact(deployment: Deployment, run: Path, log: RunLog) -> Impact:
             if line["role"] == one.role and line["wall"] < one.restart + _LEASE
         )
         silent = (b - a for a, b in spans.get(one.role, []) if a <= one.t + 1e-3 < b)
-        window = (log.t >= one.t) & (log.t <= one.t + ERROR_WINDOW)
+        window = (log.t >= one.t) & (log.t <= one.t + _ERROR_WINDOW)
         faults.append(
             FaultImpact(
                 t=one.t,

@@ -31,11 +31,7 @@ def wilson(successes: int, count: int) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class CampaignReport:
-    """A campaign and what it measured.
-
-    Attributes:
-        command: The command that repeats a run, without its seed.
-    """
+    """A campaign and what it measured; `command` repeats a run, but for its seed."""
 
     deployment: Deployment
     runs: Sequence[CampaignRun]

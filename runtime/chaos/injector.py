@@ -45,8 +45,7 @@ class FaultInjector:
         deployment: What runs.
         control: Acts on it.
         journal: Notes what is done, and what came of it.
-        start_successor: Called with plant time [s] before the launcher, if this is it, kills
-            itself.
+        start_successor: Called with plant time [s] before the launcher kills itself.
         network: Carries out events between hosts.
 
     Attributes:

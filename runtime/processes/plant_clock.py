@@ -32,12 +32,9 @@ class PlantClock:
         self._last, self.arrived, self.ever = t, now, True
 
     def end(self, of: Deployment, now: float) -> tuple[str, int] | None:
-        """Return why a process of the deployment is to end `now` [s], and its exit code; or None.
-
-        The run is over, or would be if the plant had gone on, or there has been no plant for long.
-        """
+        """Return why a process of a deployment ends `now` [s], and its exit code; or None."""
         silence = now - self.arrived
-        late = self.t + (silence - _GRACE) * of.speed if self.ever else 0.0
+        late = self.t + (silence - _GRACE) * of.speed if self.ever else 0.0  # had it gone on
         if of.duration is not None and max(self.t, late) >= of.duration - 1e-9:
             return "the run is over", OK
         if silence > of.patience:

@@ -40,14 +40,13 @@ class Tracking:
 
 @dataclass(frozen=True)
 class PlatformMotion:
-    """How the platform moved.
+    """How the platform moved; angles are those at the end.
 
     Attributes:
         least_speed: Smallest linear velocity [m/s]; negative if it went backwards.
-        heading: Heading at the end [rad].
-        to_hand: Direction from the arm's first axis to the hand at the end, from above and relative
-            to the heading [rad].
-        arm_yaw: Angle of joint 1 at the end, wrapped to half a turn either way [rad].
+        heading: In the world [rad].
+        to_hand: Direction from the arm's first axis to the hand, relative to the heading [rad].
+        arm_yaw: That of joint 1, wrapped to half a turn either way [rad].
     """
 
     least_speed: float

@@ -97,11 +97,7 @@ class _Tick(msgspec.Struct):
 
 
 def read_run_log(run: Path) -> RunLog:
-    """Read the plant's log in a run's folder.
-
-    Raises:
-        RunLogError: The plant logged no motion.
-    """
+    """Read the plant's log in a run's folder; `RunLogError` if it holds no motion."""
     # Eight bytes a number: an hour at 1 kHz is 0.7 GB.
     columns = {name: array("d") for name in _Tick.__struct_fields__}
     events: list[Mapping[str, Any]] = []

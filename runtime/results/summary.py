@@ -126,11 +126,7 @@ def close(
     again: Sequence[str] = (),
     plot: bool = True,
 ) -> tuple[Summary, str]:
-    """Write `summary.json` and a plot to a run's folder; `again` are the options to repeat it.
-
-    Returns:
-        The summary, and what to say about the files.
-    """
+    """Write `summary.json` and a plot of a run; return the summary and what to say of the files."""
     try:
         log = read_run_log(run)
     except RunLogError:
