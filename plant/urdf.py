@@ -61,20 +61,25 @@ def read(path_or_name: str | Path) -> Tree:
         content = path.read_bytes()
     except OSError as error:
         raise RobotError(f"{path}: cannot be read: {error.strerror or error}") from error
+    root = parse(content, str(path))
     if path.suffix == ".xacro":
-        return Tree(parse(_expanded(path), f"{path}, expanded"))
-    return Tree(parse(content, str(path)))
+        root = parse(_expanded(path, root), f"{path}, expanded")
+    return Tree(root)
 
 
-def _expanded(path: Path) -> bytes:
+def _expanded(path: Path, root: Element) -> bytes:
     """Return the URDF that a xacro file stands for."""
     try:
-        from xacrodoc import XacroDoc
+        from xacrodoc import XacroDoc, packages
     except ImportError:
         what = "a xacro file needs the package xacrodoc; `pip install 'msma[xacro]'` installs it"
         raise RobotError(f"{path}: {what}") from None
+    name = root.attributes.get("name", path.stem)
     try:
-        text: str = XacroDoc.from_file(str(path)).to_urdf_string()
+        packages.walk_up_from(str(path))  # where $(find PACKAGE) looks
+        # Included, and not opened, so that what it includes is found beside it.
+        document = XacroDoc.from_includes([str(path.absolute())], name, resolve_packages=False)
+        text: str = document.to_urdf_string()
     except Exception as error:  # whatever a macro does
         raise RobotError(f"{path}: xacro says: {type(error).__name__}: {error}") from error
     return text.encode()

@@ -101,3 +101,23 @@ def test_a_xacro_file_without_its_package_says_what_to_install(
     path.write_text("<robot/>")
     with pytest.raises(RobotError, match=r"needs the package xacrodoc; `pip install 'msma\[xacro"):
         urdf.load(path)
+
+
+def test_a_xacro_file_is_expanded_with_what_it_includes(tmp_path: Path) -> None:
+    pytest.importorskip("xacrodoc", reason="xacrodoc is not installed: msma[xacro]")
+    space = "xmlns:xacro='http://www.ros.org/wiki/xacro'"
+    (tmp_path / "part.xacro").write_text(
+        f"<robot {space}><xacro:macro name='one' params='speed'>{links('a', 'b')}"
+        + joint("j", "a", "b", "<limit lower='-1' upper='1' velocity='${2 * speed}'/>")
+        + "</xacro:macro></robot>"
+    )
+    path = tmp_path / "bot.xacro"
+    path.write_text(
+        f"<robot name='bot' {space}><xacro:include filename='part.xacro'/>"
+        "<xacro:one speed='0.4'/></robot>"
+    )
+    robot = urdf.load(path)
+    assert (robot.name, robot.joints[0].max_speed) == ("bot", 0.8)
+    path.write_text(f"<robot name='bot' {space}><xacro:include filename='none.xacro'/></robot>")
+    with pytest.raises(RobotError, match=r"bot\.xacro: xacro says: .*none\.xacro"):
+        urdf.load(path)
