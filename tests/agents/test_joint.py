@@ -3,8 +3,11 @@
 import numpy as np
 import pytest
 
-from agents.agent import AgentError, Joints
+from agents.agent import AgentError, Body, Joints, Percepts
 from agents.joint import HoldAgent, JointAgent
+from plant.kinematic import KinematicPlant
+from plant.plant import Commands, Setup
+from plant.urdf import load
 from tests.agents.conftest import START
 
 UP = (0.0, 0.0, 0.05)
@@ -144,6 +147,18 @@ def test_hold_keeps_the_angle_it_first_saw(body, percepts):
 
 def test_hold_keeps_the_angle_given(body, percepts):
     assert HoldAgent(body(3), angle=0.5).decide(percepts()) > 0
+
+
+def test_hold_keeps_a_lift_where_it_is_wanted():
+    robot = load("telescope")
+    plant = KinematicPlant(Setup(robot, np.zeros(5), period=0.02))
+    agents = [HoldAgent(Body(robot, i, 0.02, i), angle=0.3) for i in range(5)]
+    for _ in range(400):
+        percepts = Percepts.of(plant.read(), None)
+        speeds = [float(agent.decide(percepts)) for agent in agents]
+        plant.write(Commands(tuple(np.clip(speeds, -robot.max_speed, robot.max_speed).tolist())))
+        plant.step()
+    assert plant.truth().q == pytest.approx([0.3] * 5, abs=1e-3)
 
 
 def test_hold_says_nothing_while_its_encoder_is_not_heard(body, percepts):

@@ -1,14 +1,17 @@
 """Histories of commands: what the motors are told."""
 
+from typing import Literal
+
 import numpy as np
 import pytest
 
 from plant import urdf
 from plant.kinematic import KinematicPlant
 from plant.plant import Setup
+from plant.robot import Drive
 from runtime.processes.command_arbiter import CommandArbiter
 from runtime.wire import topics
-from runtime.wire.messages import JointCommand, PlatformCommand, pack
+from runtime.wire.messages import JointCommand, PlatformCommand, pack, unpack_map
 from runtime.wire.refusals import UNKNOWN_KEYS, Reason, Refusals
 from runtime.wire.samples import Sample
 
@@ -157,3 +160,32 @@ def test_noise_on_one_joint_leaves_its_last_command_in_force(plant: Plant) -> No
 def test_the_role_and_the_state_that_it_answers_are_told(plant: Plant) -> None:
     data = pack(JointCommand(0.42, 0.1, by=7, n=1))
     assert plant.arbiter.take(Sample(topics.joint_command(4), data), 1.0) == ("joint/4", 0.42)
+
+
+def arbiter_of(drive: Drive) -> CommandArbiter:
+    robot = urdf.load("seven", base=drive)
+    return CommandArbiter(robot, hold=HOLD, fresh=FRESH, refusals=Refusals())
+
+
+@pytest.mark.parametrize(
+    ("kind", "expected"), [("differential", (0.1, -0.2)), ("holonomic", (0.1, -0.2, 0.5))]
+)
+def test_only_a_base_that_can_moves_sideways(
+    kind: Literal["differential", "holonomic"], expected: tuple[float, ...]
+) -> None:
+    drive = Drive(
+        kind=kind,
+        max_linear=0.5,
+        max_angular=1.0,
+        max_linear_acceleration=1.0,
+        max_angular_acceleration=1.0,
+    )
+    arbiter = arbiter_of(drive)
+    data = pack(PlatformCommand(0.5, 0.1, -0.2, 0.7, by=7, n=1))
+    assert arbiter.take(Sample(topics.PLATFORM_COMMAND, data), 0.5) is not None
+    assert arbiter.commands_at(0.5)[0].base == expected
+
+
+def test_who_says_nothing_of_sideways_sends_as_before() -> None:
+    data = pack(PlatformCommand(0.5, 0.1, -0.2, by=7, n=1))
+    assert unpack_map(data).keys() == {"t", "by", "n", "linear", "angular"}
