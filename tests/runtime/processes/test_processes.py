@@ -79,15 +79,16 @@ def test_who_is_alone_ends_with_a_message_when_patience_ends(
 
 
 def test_when_the_plant_is_gone_the_others_end_soon(processes: ProcessGroup) -> None:
-    processes.options += ["--set", "patience=1s"]
+    processes.options += ["--set", "patience=5s"]  # on a busy machine each may join seconds late
     processes.start("plant", "goal", "joint/1")
     bus = processes.visit()
-    processes.until(bus, "joint/1", runs, "runs")
+    for role in ("goal", "joint/1"):
+        processes.until(bus, role, runs, "runs")
     processes.kill("plant")
     for role in ("goal", "joint/1"):
         code, said = processes.result(role)
         assert code == 1
-        assert "no message of the plant for 1 s" in said
+        assert "no message of the plant for 5 s" in said
 
 
 @pytest.mark.parametrize(

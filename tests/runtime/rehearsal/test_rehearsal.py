@@ -81,7 +81,8 @@ def test_hosts_that_are_cut_off_are_commanded_again_soon_after_they_are_back(
 
 
 def test_late_and_lost_packets_between_hosts_cost_little(robot: Robot) -> None:
-    said = finish(rehearse(robot, "--duration", "5s", "--set", f"chaos={TROUBLE}"))
+    # on a busy machine the launcher may break the network some seconds late, but not half of these
+    said = finish(rehearse(robot, "--duration", "12s", "--set", f"chaos={TROUBLE}"))
     assert "robot, arm, base are slowed down" in said
     assert robot.summary["evaluation"]["tracking"]["worst"] < 0.005
     answers = [process["answer"] for process in robot.summary["processes"]]
