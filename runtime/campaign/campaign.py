@@ -63,8 +63,7 @@ class CampaignRun:
 def draw(deployment: Deployment, seed: int) -> Deployment:
     """Add random process faults, which leave the goal within reach, to a deployment's chaos.
 
-    Raises:
-        ConfigError: The deployment has no duration or no goal, or no draw does that.
+    `ConfigError` if it has no duration or no goal, or no draw does that.
     """
     duration, path = _end(deployment)
     rng = np.random.default_rng([seed, 0xCA])

@@ -33,9 +33,8 @@ class FaultImpact:
     Attributes:
         t: Plant time [s].
         action: "kill" or "hang".
-        gap: Longest gap in the commands of any other agent [s, plant time]; None if no other
-            agent was left.
-        gap_role: The role of that agent.
+        gap: Longest gap in the commands of another agent, that of `gap_role` [s, plant time]; None
+            if no other was left.
         detected: Time until the launcher's watcher, and so `status`, saw it [s, real]; None if
             the launcher was killed or hung before, or does not watch such a process.
         error: Largest distance of the hand from its goal in the 3 s after [m].
@@ -59,14 +58,10 @@ class FaultImpact:
 
 @dataclass(frozen=True)
 class Impact:
-    """The impact of all kills and hangs of a run, in the order of time.
-
-    Attributes:
-        gaps: Longest gap in the commands of each role while it was alive [s, plant time].
-    """
+    """The impact of all kills and hangs of a run, in the order of time."""
 
     faults: tuple[FaultImpact, ...]
-    gaps: Mapping[str, float]
+    gaps: Mapping[str, float]  # the longest of each role while it was alive [s, plant time]
 
 
 class _Outage(NamedTuple):

@@ -42,9 +42,6 @@ class FaultInjector:
     """Carries out what is due.
 
     Args:
-        deployment: What runs.
-        control: Acts on it.
-        journal: Notes what is done, and what came of it.
         start_successor: Called with plant time [s] before the launcher kills itself.
         network: Carries out events between hosts.
 

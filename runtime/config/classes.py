@@ -62,15 +62,10 @@ class ClassName(Generic[_T]):
 
 @dataclass(frozen=True)
 class ClassOf(Kind):
-    """The name of a class that derives from another.
-
-    Attributes:
-        base: The class that it derives from.
-        role: The role that needs it; empty for the role given beside it.
-    """
+    """The name of a class that derives from `base`."""
 
     base: type[Any]
-    role: str = ""
+    role: str = ""  # that needs it; by default the one given beside it
 
     def read(self, node: YamlNode, scope: Scope) -> ClassName[Any]:
         """Read the name, and load the class unless only that of another role is wanted."""

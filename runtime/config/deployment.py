@@ -169,8 +169,7 @@ class Deployment:
     def credentials(self, name: str) -> Credentials | None:
         """Return the credentials of a role or of `OPERATOR`; None without `security`.
 
-        Raises:
-            ConfigError: Its files are missing; the message says how to create them.
+        `ConfigError` if files are missing; the message says how to create them.
         """
         if self.security is None:
             return None

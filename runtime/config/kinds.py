@@ -19,13 +19,9 @@ Scope = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class Kind(ABC):
-    """A kind of value; as an annotation it says how the annotated value is read.
+    """A kind of value; as an annotation it says how the annotated value is read."""
 
-    Attributes:
-        such_as: An example, for messages.
-    """
-
-    such_as: str
+    such_as: str  # an example, for messages
 
     @abstractmethod
     def read(self, node: YamlNode, scope: Scope) -> Any:
@@ -38,13 +34,7 @@ class Kind(ABC):
 
 @dataclass(frozen=True, kw_only=True)
 class Number(Kind):
-    """A number within bounds.
-
-    Attributes:
-        above: Exclusive lower bound in SI units.
-        least: Lower bound in SI units.
-        most: Upper bound in SI units.
-    """
+    """A number from `least` to `most`, and larger than `above`, in SI units."""
 
     above: float = -math.inf
     least: float = -math.inf
@@ -106,14 +96,9 @@ class Choice(Kind):
 
 @dataclass(frozen=True)
 class Text(Kind):
-    """Text as it was written.
+    """Text as it was written, if the whole of it matches a pattern."""
 
-    Attributes:
-        what: What such a text is called, for messages.
-        regex: The pattern that the whole text must match.
-    """
-
-    what: str = "text"
+    what: str = "text"  # what such a text is called, for messages
     regex: str = ".*"
 
     def read(self, node: YamlNode, scope: Scope) -> str:
@@ -126,8 +111,7 @@ class Text(Kind):
 class File(Kind):
     """A path, relative to the file that names it, which must exist.
 
-    Attributes:
-        output: Whether it need not exist, and is relative to the current folder.
+    One of `output` need not exist, and is relative to the current folder.
     """
 
     output: bool = False

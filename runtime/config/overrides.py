@@ -7,17 +7,11 @@ from runtime.config.tree import ConfigError, Location, YamlNode, parse
 
 
 class Override(NamedTuple):
-    """A value that replaces one in a file.
+    """A value that replaces one in a file."""
 
-    Attributes:
-        source: Its name in messages, such as the option that was given.
-        path: Dotted path of keys, and of indices or roles of list items; `+` appends an item.
-        value: The new value as YAML.
-    """
-
-    source: str
-    path: str
-    value: str
+    source: str  # its name in messages, such as the option that was given
+    path: str  # of keys with dots between, and of indices or roles of list items; `+` appends one
+    value: str  # as YAML
 
     def apply(self, root: YamlNode) -> None:
         """Set the value in a tree, and create missing nodes on the way to it."""

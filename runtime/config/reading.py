@@ -34,11 +34,9 @@ class Derived(NamedTuple):
 
 
 class Rest(NamedTuple):
-    """Annotation: a dict of all other keys.
+    """Annotation: a dict of all other keys, with the fields that `find` returns for them.
 
-    Attributes:
-        find: Returns the fields of these keys for the values read earlier; None to keep the values
-            as they were written.
+    It gets the values read earlier, and returns None to keep the others as they were written.
     """
 
     find: Callable[[Scope], "Sequence[Field] | None"]
@@ -46,15 +44,11 @@ class Rest(NamedTuple):
 
 @dataclass(frozen=True)
 class Field:
-    """A key of a mapping, by the name of the attribute or parameter.
-
-    Attributes:
-        default: Its default, a `Derived` one, or `MISSING` if there is none.
-    """
+    """A key of a mapping, by the name of the attribute or parameter."""
 
     name: str
     kind: Kind
-    default: Any
+    default: Any  # or a `Derived` one, or `MISSING`
 
     @property
     def key(self) -> str:
@@ -95,14 +89,11 @@ class Structure(Kind):
 
     A method `check(node, scope)` of the class may raise an error. If the class has `one_of`,
     exactly one of these keys must be given. If it has `short`, plain text is the value of that key.
-
-    Attributes:
-        rest: The field that takes all other keys, and its annotation.
     """
 
     type: type[Any]
     fields: tuple[Field, ...]
-    rest: tuple[str, Rest] | None
+    rest: tuple[str, Rest] | None  # the field that takes all other keys, and its annotation
 
     def read(self, node: YamlNode, scope: Scope) -> Any:
         if node.value is not None and (short := getattr(self.type, "short", "")):
@@ -164,8 +155,7 @@ def _refuse_others(node: YamlNode, fields: Sequence[Field], allowed: bool = Fals
 def kind_of(annotation: Any, unit: Unit = "1") -> Kind:
     """Return the kind of value of a type annotation; `unit` is the default of its numbers.
 
-    Raises:
-        TypeError: A file cannot hold such a value.
+    `TypeError` if a file cannot hold such a value.
     """
     base, *marks = get_args(annotation) if get_origin(annotation) is Annotated else [annotation]
     given: Kind | None = _find(marks, Kind)

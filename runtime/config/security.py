@@ -15,15 +15,10 @@ from runtime.wire.topics import STANDARD, Contract
 
 @dataclass(frozen=True)
 class KeyFolder:
-    """A folder for certificates and private keys, which need not exist yet.
-
-    Attributes:
-        path: The absolute path.
-        file: The deployment file that names it.
-    """
+    """A folder for certificates and private keys, which need not exist yet."""
 
     path: Path
-    file: str = field(compare=False)
+    file: str = field(compare=False)  # the deployment file that names it
 
     def __str__(self) -> str:
         return str(self.path)
@@ -52,8 +47,7 @@ class SecuritySpec:
     ) -> Credentials:
         """Return the credentials of a role or of `OPERATOR`; `roles` are those of the robot.
 
-        Raises:
-            ConfigError: A file is missing or cannot be read; the message says how to create it.
+        `ConfigError` if a file is missing or cannot be read; the message says how to create it.
         """
         credentials = Credentials(self.keys.path, name, tuple(roles), contract)
         if not credentials.authority.exists():

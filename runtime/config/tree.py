@@ -25,15 +25,11 @@ class ConfigError(MsmaError, ValueError):
 class Location(NamedTuple):
     """Where a value was written, for messages: in a file, or as a command-line option.
 
-    Attributes:
-        source: The file's name, or the option as it was given.
-        folder: The folder that relative paths in the value start from.
-        line: Line from 1; 0 for an option.
-        column: Column from 1.
+    Lines and columns count from 1; an option has none.
     """
 
-    source: str
-    folder: Path
+    source: str  # the file's name, or the option as it was given
+    folder: Path  # which relative paths in the value start from
     line: int = 0
     column: int = 0
 
@@ -47,23 +43,15 @@ class Location(NamedTuple):
 
 @dataclass(eq=False)
 class YamlNode:
-    """A value, a list or a mapping as it was written.
-
-    Attributes:
-        shape: `str`, `list` or `dict`.
-        value: The text of a plain value; None if it is empty or null.
-        children: What a list or mapping contains, by key or by index as text.
-        name: Its key or index in the parent.
-        key: Where its key was written; None without a key.
-    """
+    """A value, a list or a mapping as it was written."""
 
     location: Location
-    value: str | None = None
-    shape: type = str
-    children: "dict[str, YamlNode]" = field(default_factory=dict)
-    name: str = ""
+    value: str | None = None  # the text of a plain value, unless it is empty or null
+    shape: type = str  # or `list` or `dict`
+    children: "dict[str, YamlNode]" = field(default_factory=dict)  # by key, or index as text
+    name: str = ""  # its key or index in the parent
     parent: "YamlNode | None" = field(default=None, repr=False)
-    key: Location | None = None
+    key: Location | None = None  # where its key was written
 
     @property
     def path(self) -> str:
@@ -124,11 +112,7 @@ class YamlNode:
 
 
 def read_file(file: str | os.PathLike[str]) -> YamlNode:
-    """Read a YAML file.
-
-    Raises:
-        ConfigError: It cannot be read, or is not valid YAML; the message names `file`.
-    """
+    """Read a YAML file; `ConfigError`, which names it, if it cannot be read or is no valid YAML."""
     source = str(file) or "''"
     try:
         with open(file, "rb") as stream:
@@ -148,14 +132,9 @@ def read_file(file: str | os.PathLike[str]) -> YamlNode:
 
 
 def parse(text: str, start: Location) -> YamlNode:
-    """Parse YAML into a tree; expand aliases and merge keys.
+    """Parse YAML that begins at a location, or is of an option; expand aliases and merge keys.
 
-    Args:
-        text: The YAML text.
-        start: The location of the text's first character, or of the option that holds it.
-
-    Raises:
-        ConfigError: It is not YAML, has duplicate keys or tags, or is too large or too deep.
+    `ConfigError` if it is not YAML, has duplicate keys or tags, or is too large or too deep.
     """
     try:
         return _Builder(text, start).document()

@@ -39,11 +39,8 @@ def prepare(
 ) -> tuple[Deployment, Path]:
     """Make the folder of a run, and return it with the deployment as resolved, also in it.
 
-    The arguments are those of `Launcher`.
-
-    Raises:
-        ConfigError: Nothing here can carry out the chaos, or keys are not good.
-        RunError: The folder cannot be written.
+    `ConfigError` if nothing here can carry out the chaos, or keys are not good; `RunError` if the
+    folder cannot be written. The arguments are those of `Launcher`.
     """
     check_means(deployment, network)
     verify_all(deployment, host)

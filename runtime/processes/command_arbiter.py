@@ -36,7 +36,6 @@ class CommandArbiter:
     Args:
         hold: How long a command is in force [s].
         fresh: How long after a message its source counts as active [s].
-        refusals: Counts what is refused or clamped.
         on_change: Called with a role and the incarnation whose commands are used from now on.
     """
 

@@ -39,9 +39,7 @@ class Perception:
     One that is a period older than the others would put the hand a period's travel off.
 
     Args:
-        robot: The robot, whose number of joints the joint states must have.
         fresh: Age up to which a message is perceived [s].
-        refusals: Counts what is refused.
         sensors: Topics of the robot's own sensors that are perceived.
 
     Attributes:
@@ -65,9 +63,10 @@ class Perception:
             for each in sensors
             if each.percept is not None
         }
-        states: list[TopicInput[Any]] = [self._hand, self._joints, self._base]
-        self._inputs = {each.key: each for each in (*states, *self._sensors.values())}
         self._goal = GoalInput(fresh, refusals)
+        inputs: list[TopicInput[Any]] = [self._hand, self._joints, self._base]
+        inputs += [*self._sensors.values(), *self._goal.inputs.values()]
+        self._inputs = {each.key: each for each in inputs}
         self._refusals = refusals
         self._goal_known: tuple[tuple[object, ...], Goal] | None = None
         self.t = 0.0
@@ -80,10 +79,7 @@ class Perception:
         key, data = arrival
         source = self._inputs.get(key)
         if source is None:
-            if key in (topics.GOAL, topics.KNOWN_GOAL):
-                self._goal.accept(key, data, now)
-            else:
-                self._refusals.count_unknown(key)
+            self._refusals.count_unknown(key)
             return False
         message = source.accept(data, now)
         if message is None:

@@ -44,11 +44,7 @@ class PlantClock:
 
 
 class BusClock(PlantClock):
-    """Plant time from the joint states on the bus, of the source that arbitration chooses.
-
-    Attributes:
-        states: The joint states, as of the last look.
-    """
+    """Plant time from the joint states on the bus, of the source that arbitration chooses."""
 
     def __init__(self, bus: Bus, now: float) -> None:
         super().__init__(now)

@@ -24,18 +24,11 @@ _MAX_WAITING = 20_000  # packets in transit; further ones are dropped, as in any
 
 
 class Links:
-    """Decides when a packet arrives; packets from one host to another keep their order.
-
-    Args:
-        rng: The source of jitter and loss.
-
-    Attributes:
-        impairments: The chaos events that impair the traffic now.
-    """
+    """Decides when a packet arrives; packets from one host to another keep their order."""
 
     def __init__(self, rng: random.Random) -> None:
-        self._rng = rng
-        self.impairments: list[ChaosEvent] = []
+        self._rng = rng  # of jitter and loss
+        self.impairments: list[ChaosEvent] = []  # those of the traffic now
         self._last: dict[tuple[str, str], float] = {}
 
     def due(self, sender: str, receiver: str, now: float) -> float | None:
@@ -58,7 +51,6 @@ class Switch:
     """Passes each packet on to the host with its address.
 
     Args:
-        links: Decides when a packet arrives.
         hosts: Name of each host by its address, in the four bytes that packets have.
         tuns: The file descriptor of each host's TUN device.
     """

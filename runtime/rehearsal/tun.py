@@ -14,17 +14,13 @@ _CLONE_NEWNET = 0x40000000
 
 
 def enter_new_network(address: str) -> int:
-    """Move this process to a new network namespace, which lasts as long as its TUN device is open.
+    """Move this process to a new network namespace, where it has an IPv4 address.
 
-    Args:
-        address: The IPv4 address in it.
+    That lasts as long as its TUN device is open; `OSError` if it cannot be created.
 
     Returns:
         The file descriptor where each read is an IP packet that is sent there, to whatever address,
         and each write one that arrives.
-
-    Raises:
-        OSError: It cannot be created.
     """
     libc = ctypes.CDLL(None, use_errno=True)
     if libc.unshare(_CLONE_NEWNET) != 0:

@@ -26,15 +26,13 @@ _HOSTS, _OUR_ADDRESS = "10.87.0.{}", "10.87.255.254"
 class VirtualNetwork(ExitStack):
     """Creates the hosts of a deployment on this machine for the time of its `with` block.
 
+    `ConfigError` if the deployment cannot be rehearsed on this machine.
     Everything ends with this process, however it ends: the namespaces have no names, and all that
     runs in one ends with its first process, which ends when its standard input closes.
 
     Attributes:
         deployment: The deployment, with an address of its own for each host.
         hosts: The first process of each host.
-
-    Raises:
-        ConfigError: The deployment cannot be rehearsed on this machine.
     """
 
     def __init__(self, deployment: Deployment) -> None:

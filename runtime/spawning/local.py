@@ -18,17 +18,12 @@ _TURN = 0.02  # [s] between two looks at the processes
 
 
 class ProcessExit(NamedTuple):
-    """A process that has ended.
-
-    Attributes:
-        code: Its exit code, negative for a signal.
-        said: The last line that it wrote.
-    """
+    """A process that has ended."""
 
     role: str
     pid: int
-    code: int
-    said: str
+    code: int  # negative for a signal
+    said: str  # the last line that it wrote
 
     @property
     def how(self) -> str:

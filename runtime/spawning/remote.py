@@ -31,14 +31,10 @@ _LEAVE = 2.0  # [s] for the other end to go when it is asked no more
 
 
 class HostProcesses:
-    """The processes of one host, by its messages in whatever order they arrive.
-
-    Attributes:
-        pids: Role and id of each process that lives there, the newest last.
-    """
+    """The processes of one host, by its messages in whatever order they arrive."""
 
     def __init__(self, name: str) -> None:
-        self.pids: list[tuple[str, int]] = []
+        self.pids: list[tuple[str, int]] = []  # role and id of those that live, the newest last
         self.name = name
 
     def take(self, said: Mapping[str, Any]) -> list[ProcessExit]:
@@ -107,11 +103,9 @@ class _Host(HostProcesses):
         return number
 
     def answer(self, number: int, timeout: float = _FIRST_ANSWER) -> dict[str, Any]:
-        """Wait for the answer to a request.
+        """Wait for the answer to a request; `RunError` if the host refuses, is gone or is late.
 
-        Raises:
-            RunError: The host refuses, is gone or does not answer in time. A later answer is
-                taken all the same: what was started late is known, and ended with the others.
+        A late answer is taken all the same: what was started is known, and ended with the others.
         """
         until = time.monotonic() + timeout
         said: dict[str, Any] = {}

@@ -20,15 +20,11 @@ _SOURCES = Path(__file__).parents[2]
 
 
 class Task(NamedTuple):
-    """The task of a process: its role in the run of a folder.
-
-    Attributes:
-        copy: The host of a standby; None for the first process of the role.
-    """
+    """The task of a process: its role in the run of a folder."""
 
     role: str
     run: Path
-    copy: str | None = None
+    copy: str | None = None  # the host of a standby; None for the first process of the role
 
     @property
     def file(self) -> Path:

@@ -31,7 +31,7 @@ class Authority:
     """Signs certificates; its own private key exists only in this object.
 
     Args:
-        robot: Name of the robot.
+        robot: The robot's name, which is in its certificate.
         days: How long the authority and its certificates are valid [days].
     """
 
@@ -103,11 +103,7 @@ def _address(text: str) -> x509.GeneralName:
 def write_keys(
     folder: Path, authority: Authority, names: Iterable[str], addresses: Sequence[str]
 ) -> None:
-    """Create a key pair for each name, and write them and the authority's certificate.
-
-    Raises:
-        RunError: The files cannot be written.
-    """
+    """Write a new key pair for each name, and the authority's certificate, or raise `RunError`."""
     files = {Credentials(folder, "", ()).authority.name: authority.certificate}
     for name in names:
         pair, where = authority.issue(name, addresses), Credentials(folder, name, ())

@@ -18,8 +18,7 @@ _INVALID_PURPOSE = 26  # X509_V_ERR_INVALID_PURPOSE of OpenSSL
 def verify(credentials: Credentials, address: str) -> float:
     """Return when a certificate ends [s since 1970], if it can be used at an address now.
 
-    Raises:
-        ConfigError: The certificate cannot be used; the message says why.
+    `ConfigError` if it cannot be used; the message says why.
     """
     file, content, now = credentials.certificate, _handshake(credentials), time.time()
     subject = dict(pair for part in content["subject"] for pair in part)
@@ -93,8 +92,7 @@ def day(t: float) -> str:
 def verify_all(deployment: Deployment, host: str | None = None) -> None:
     """Check the certificates of operators and of all processes, or of those on one host.
 
-    Raises:
-        ConfigError: A certificate is missing or cannot be used.
+    `ConfigError` if one is missing or cannot be used.
     """
     if deployment.security is None:
         return

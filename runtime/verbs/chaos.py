@@ -7,6 +7,7 @@ import argparse
 import shlex
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 from rich.console import Console
@@ -47,18 +48,14 @@ def run(args: argparse.Namespace) -> int:
     report = CampaignReport(deployment, runs, command)
     say(report.text())
     for name, text in (("chaos.md", report.markdown()), ("chaos.json", report.to_json())):
-        say(_write(folder / name, text))
+        file, write = folder / name, partial(Path.write_text, data=text, encoding="utf-8")
+        say(save(file, write) or f"  {file}")
     outcomes = {run.outcome for run in runs}
     if len(runs) < args.runs:
         return INTERRUPTED
     if "failed" in outcomes:
         return FAILED
     return OK if outcomes == {"reached"} else MISSED
-
-
-def _write(file: Path, text: str) -> str:
-    """Write a file, and return a line that says where it is, or why it could not be written."""
-    return save(file, lambda file: file.write_text(text, encoding="utf-8")) or f"  {file}"
 
 
 def _line(run: CampaignRun) -> str:

@@ -13,7 +13,6 @@ class Control:
     """Acts on a run: on its processes by signals, on what answers on the bus by requests.
 
     Args:
-        bus: The robot's bus.
         processes: The processes that were started or found; None if requests are enough.
         timeout: How long a request waits for its answer [s].
     """
@@ -36,9 +35,7 @@ class Control:
     def fault(self, text: str) -> str:
         """Ask the plant for a fault, such as `joint/1:locked`, and return its answer.
 
-        Raises:
-            RunError: No plant answers.
-            FaultError: The plant has no such fault.
+        `RunError` if no plant answers, `FaultError` if it has no such fault.
         """
         answers = self._bus.ask(topics.FAULT, text.encode(), self._timeout)
         if not answers:

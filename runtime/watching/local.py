@@ -56,9 +56,8 @@ def silent_roles(bus: Bus, target: Target) -> dict[str, str]:
 def revive(role: str, target: Target, forkserver: ForkServer) -> int:
     """Start a robot's role again, wait until it is seen alive, and return the process's id.
 
-    Raises:
-        RunError: It is alive, or does not come, or its run is not one that this user has started.
-        ConfigError: The run has no such role.
+    `RunError` if it is alive, or does not come, or its run is not one that this user has started;
+    `ConfigError` if the run has no such role.
     """
     from runtime.config.deployment import load
 

@@ -3,9 +3,8 @@
 import math
 import threading
 import time
-from collections.abc import Callable, Sequence
-from functools import partial
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 from runtime.processes.plant_clock import BusClock
 from runtime.watching.roster import Roster, Row
@@ -51,30 +50,21 @@ class View(NamedTuple):
 
 
 class Watcher:
-    """Watches a robot on its bus; call `look` as often as it is to be shown.
-
-    Attributes:
-        clock: Plant time, as of the last look.
-    """
+    """Watches a robot on its bus; call `look` as often as it is to be shown."""
 
     def __init__(self, bus: Bus) -> None:
         self._bus = bus
         self._lock = threading.Lock()
         self._changed = threading.Event()
         self._roster = Roster()
-        self.clock = BusClock(bus, time.monotonic())
+        self.clock = BusClock(bus, time.monotonic())  # as of the last look
         self._worst: float | None = None
         refusals = Refusals()
         self._hand = TopicInput(topics.HAND, EndEffectorPose, _FRESH, refusals)
         self._platform = TopicInput(topics.PLATFORM, PlatformPose, _FRESH, refusals)
         self._goal = GoalInput(_FRESH, refusals)
-        inputs: dict[str, Callable[[bytes, float], object]] = {
-            topics.HAND: self._hand.accept,
-            topics.PLATFORM: self._platform.accept,
-        }
-        for topic in topics.STANDARD.percepts["goal"]:
-            inputs[topic.key] = partial(self._goal.accept, topic.key)
-        self._inputs = [(bus.ring(key, _AT_ONCE), accept) for key, accept in inputs.items()]
+        inputs: list[TopicInput[Any]] = [self._hand, self._platform, *self._goal.inputs.values()]
+        self._inputs = [(bus.ring(each.key, _AT_ONCE), each) for each in inputs]
         bus.watch_alive(self._on_token)
         bus.subscribe(topics.EVERY_DIAG, self._on_diag)
 
@@ -105,9 +95,9 @@ class Watcher:
     def look(self) -> View:
         """Return what is known now."""
         now = time.monotonic()
-        for ring, accept in self._inputs:
+        for ring, source in self._inputs:
             for arrival in ring.waiting(_AT_ONCE):
-                accept(arrival.data, now)
+                source.accept(arrival.data, now)
         t, pose, message = self.clock.look(now), self._hand.fresh(now), self._goal.selected(now)
         error = None
         if pose is not None and message is not None:

@@ -37,10 +37,7 @@ class Arbiter(Generic[M]):
     Selected is, of the fresh sources, the one that was first heard of last. While another one is
     fresh, a new source is selected from its second message in a row on: a corrupted `by` is no
     takeover. A message whose number does not count up is refused as late; a source that was silent
-    for longer than `fresh`, and then counts up from anywhere, has started anew.
-
-    Args:
-        fresh: For how long after its last message a source is fresh [s].
+    for longer than `fresh` [s], and then counts up from anywhere, has started anew.
     """
 
     def __init__(self, fresh: float) -> None:
@@ -101,10 +98,8 @@ class TopicInput(Arbiter[M]):
     """What arrives on one key: decoded, checked and arbitrated.
 
     Args:
-        key: Refusals are counted by it.
-        kind: The message that belongs on it.
         fresh: For how long after its arrival a message is fresh [s].
-        refusals: Where refusals are counted.
+        refusals: Where refusals are counted, by the key.
         check: Raises `MessageError` if a sound message does not fit this robot.
         standbys: Whether a second source is usual, as of a role with copies, and not counted.
     """
@@ -150,27 +145,19 @@ class GoalInput:
 
     A goal does not go stale: its source may be gone for good. A process that starts then has what
     the plant knows alone, and one that was cut off for a while may know less than the plant does.
-
-    Args:
-        fresh: For how long after its arrival a message is fresh [s].
-        refusals: Where refusals are counted.
     """
 
     def __init__(self, fresh: float, refusals: Refusals) -> None:
         keys = topics.GOAL, topics.KNOWN_GOAL
-        self._inputs = {key: TopicInput(key, GoalMessage, fresh, refusals) for key in keys}
-
-    def accept(self, key: str, data: bytes, now: float) -> None:
-        """Accept what arrived on one of the two keys `now` [s]."""
-        self._inputs[key].accept(data, now)
+        self.inputs = {key: TopicInput(key, GoalMessage, fresh, refusals) for key in keys}
 
     def selected(self, now: float) -> GoalMessage | None:
         """Return the goal in force `now` [s]; None if there never was one.
 
         While its source is fresh, that one's. Of what is left behind, the newest by plant time.
         """
-        published = self._inputs[topics.GOAL].fresh(now)
+        published = self.inputs[topics.GOAL].fresh(now)
         if published is not None:
             return published
-        left = [source.message for each in self._inputs.values() if (source := each.selected(now))]
+        left = [source.message for each in self.inputs.values() if (source := each.selected(now))]
         return max(left, key=lambda goal: goal.t, default=None)

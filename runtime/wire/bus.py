@@ -104,7 +104,6 @@ class Bus(AbstractContextManager["Bus"]):
 
     Args:
         robot: Name of the robot, the Zenoh namespace, which separates robots; None to see all.
-        role: The role of the process.
         place: Where it listens, and to whom it connects.
         incarnation: The random number of this process.
         credentials: Its certificate, on a robot with `security`.

@@ -41,7 +41,6 @@ class Endpoints(NamedTuple):
 
     Attributes:
         listen: Where it listens; port 0 for any port.
-        dials: The addresses that it connects to.
         rarely: Further addresses, tried less often because most of them are not in use.
         elsewhere: Number of roles on other hosts.
         routers: Zenoh routers; if there are any, it connects to one of these only.

@@ -59,10 +59,7 @@ def config(
             "gossip": {"enabled": False},
         },
         "transport": {
-            "link": {
-                "tx": {"lease": lease, "keep_alive": 4, "batch_size": _BATCH},
-                **encrypted,
-            },
+            "link": {"tx": {"lease": lease, "keep_alive": 4, "batch_size": _BATCH}, **encrypted},
             "unicast": {"open_timeout": opens, "accept_timeout": 1000},  # [ms]
             "shared_memory": {"enabled": False},  # it leaks when a process is killed
         },

@@ -84,13 +84,13 @@ class ContractError(MsmaError, ValueError):
 class Contract:
     """The topics of one robot: those of every robot, and what its own plant and nodes add.
 
+    `ContractError` if one of these cannot be added.
+
     Attributes:
-        topics: All rows.
         percepts: What agents can ask for, each with its topics.
     """
 
     def __init__(self, own: Iterable[Topic] = ()) -> None:
-        """Add `own` topics, or raise `ContractError`."""
         self.topics: tuple[Topic, ...] = TOPICS
         for topic in own:
             self._check(topic)

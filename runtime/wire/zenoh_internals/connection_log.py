@@ -56,7 +56,6 @@ class ConnectionLog:
     """Reads Zenoh's log within its `with` block, which begins before the first session is opened.
 
     Args:
-        refusals: Counts the refusals.
         joined: Called with name and address of each peer that connected with a valid certificate.
     """
 

@@ -52,6 +52,6 @@ def test_the_goal_that_counts(words: list[Word], obeyed: float | None) -> None:
     goals = GoalInput(FRESH, Refusals())
     for n, (at, key, by, t) in enumerate(words, start=1):
         goal = GoalMessage(t, (1.0, 2.0, 3.0), (0.0, 0.0, 0.1), 0.0, 24.0, by=by, n=n)
-        goals.accept(key, pack(goal), at)
+        goals.inputs[key].accept(pack(goal), at)
     found = goals.selected(10.0)
     assert (found and found.t) == obeyed
