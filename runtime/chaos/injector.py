@@ -44,9 +44,6 @@ class FaultInjector:
     Args:
         start_successor: Called with plant time [s] before the launcher kills itself.
         network: Carries out events between hosts.
-
-    Attributes:
-        hung: The processes that hang because of an event, until it is over.
     """
 
     def __init__(
@@ -59,7 +56,7 @@ class FaultInjector:
     ) -> None:
         self._deployment, self._control, self._network = deployment, control, network
         self._journal, self._start_successor = journal, start_successor
-        self.hung: dict[ChaosEvent, list[int]] = {}
+        self.hung: dict[ChaosEvent, list[int]] = {}  # what hangs because of an event
 
     def carry_out(self, due: Due) -> None:
         """Let an event begin, or end, and say what came of it."""

@@ -1,4 +1,4 @@
-"""The end of a process: asked for by any of its threads or by a signal, awaited by all."""
+"""The end of a process, by a signal or because one of its threads asks for it."""
 
 import os
 import select
@@ -12,14 +12,10 @@ class Shutdown:
     """The end of a process: any thread may ask for it, and any may wait for it.
 
     A pipe wakes those who wait, even while the main thread is busy: Python writes signals to it.
-
-    Attributes:
-        reason: Why the process is to end; None until then.
-        code: Its exit code.
     """
 
     def __init__(self) -> None:
-        self.reason: str | None = None
+        self.reason: str | None = None  # why the process is to end
         self.code = OK
         self._read, self._write = os.pipe()
         os.set_blocking(self._read, False)

@@ -41,9 +41,6 @@ class Perception:
     Args:
         fresh: Age up to which a message is perceived [s].
         sensors: Topics of the robot's own sensors that are perceived.
-
-    Attributes:
-        t: Plant time of the last message that calls for a decision [s].
     """
 
     def __init__(
@@ -69,7 +66,7 @@ class Perception:
         self._inputs = {each.key: each for each in inputs}
         self._refusals = refusals
         self._goal_known: tuple[tuple[object, ...], Goal] | None = None
-        self.t = 0.0
+        self.t = 0.0  # plant time of the last message that calls for a decision [s]
 
     def accept(self, arrival: Sample, now: float) -> bool:
         """Accept what arrived `now` [s]; return whether it calls for a decision.

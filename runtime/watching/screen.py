@@ -15,11 +15,7 @@ _LINE = 1.0  # [s] between two plain lines
 
 
 class Screen:
-    """Shows people what happens: a line a second, and one for each event.
-
-    Args:
-        duration: Of the run [s]; None if it has none.
-    """
+    """Shows people a run of a `duration` [s], if it has one: a line a second and for each event."""
 
     def __init__(self, duration: float | None) -> None:
         self._duration = duration

@@ -24,7 +24,6 @@ from runtime.wire.topics import Topic
 from runtime.wire.zenoh_internals.callbacks import CallbackSubscriber, SampleQueue, direct_callback
 
 _LINGER = 0.1  # [s] that an answer has to leave before the bus is closed: closing drops what waits
-
 _LATER = 0.5  # [s] after which a query that Zenoh has not given up by itself is given up
 
 

@@ -22,7 +22,6 @@ class Credentials(NamedTuple):
     """The certificate of a process, and what the rights of others follow from.
 
     Attributes:
-        folder: Folder of the certificates and private keys.
         name: The name in its own certificate: its role, or `OPERATOR`.
         roles: The robot's roles; other names have no rights.
         contract: The robot's topics.

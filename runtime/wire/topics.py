@@ -85,9 +85,6 @@ class Contract:
     """The topics of one robot: those of every robot, and what its own plant and nodes add.
 
     `ContractError` if one of these cannot be added.
-
-    Attributes:
-        percepts: What agents can ask for, each with its topics.
     """
 
     def __init__(self, own: Iterable[Topic] = ()) -> None:
@@ -95,7 +92,7 @@ class Contract:
         for topic in own:
             self._check(topic)
             self.topics += (topic,)
-        self.percepts: Mapping[str, tuple[Topic, ...]] = {
+        self.percepts: Mapping[str, tuple[Topic, ...]] = {  # what agents can ask for
             name: tuple(topic for topic in self.topics if topic.percept == name)
             for name in dict.fromkeys(topic.percept for topic in self.topics)
             if name is not None

@@ -37,7 +37,6 @@ _LINE = re.compile(
 _JOINED = re.compile(r"Accepted TLS connection on \S+: (\S+)\. Common Name: (.*)\.")
 _LARGE = 1 << 20  # bytes, after which the file is emptied
 
-
 _NOT_ALLOWED, _OTHER = "not allowed", "no proper connection"
 _REASONS = {
     "Msg intercepted": _NOT_ALLOWED,
