@@ -29,7 +29,7 @@ def find(package: str, file: str) -> Path:
     # its own list of files: `installed.files` parses more, and takes 50 ms for thousands
     rows = csv.reader((installed.read_text("RECORD") or "").splitlines())
     files = [row[0] for row in rows if row]
-    wanted = PurePosixPath(file).parts
+    wanted = PurePosixPath(file).parts or (file,)
     named = [each for each in files if each.endswith(wanted[-1])]
     found = [each for each in named if PurePosixPath(each).parts[-len(wanted) :] == wanted]
     if len(found) == 1:

@@ -250,6 +250,10 @@ class AgentSpec:
         if len(self.host) > self.copies:
             many = f"{len(self.host)} hosts but copies: {self.copies}; set copies: {len(self.host)}"
             raise node.find("host").error(many)
+        for given in self.class_.parameters or ():
+            unit = getattr(getattr(given.kind, "kind", given.kind), "unit", "")
+            if unit == "rad or m" and self.joint is not None and given.key in node.children:
+                Quantity("0", robot.joints[self.joint].unit).read(node.find(given.key), scope)
         self.class_.check(node, lambda: self.build(robot, scope["period"], [0]))
 
 

@@ -76,6 +76,7 @@ def test_a_holonomic_base_has_its_limits(tmp_path: Path) -> None:
         ("{file", "{package: no-such-one, file", "'no-such-one' is not installed; `pip install"),
         ("{file: telescope", "{package: msgpack, file: x.urdf", "'msgpack' has no file x.urdf"),
         ("joint/2", "joint/*", "x.yaml:7:12: agents.joint/1.role: duplicate agent joint/1, first"),
+        ("HoldAgent}", "HoldAgent, angle: 20 cm}", "agents.joint/2.angle: 20 cm is a length; an"),
         ("joint/2", "joint/4", "telescope has no part 'joint/4'"),
         ("joint/2", "platform/*", "telescope has no part 'platform/*'"),
     ],
