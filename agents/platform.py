@@ -1,56 +1,79 @@
 """The agent of the mobile platform."""
 
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from agents.adaptation import Elapsed, SeenVelocity, SteadierGain
-from agents.agent import REST, Agent, AgentError, Array, Body, Goal, Percepts
-from agents.arithmetic import (
-    Mask,
-    alike,
-    arctan2,
-    between,
-    cos,
-    greater,
-    joined,
-    lesser,
-    mixed,
-    parts,
-    ramp,
-    sin,
-    sqrt,
-    where,
-    within,
-)
-from agents.deadlock import Deadlock
-from agents.riding import Riding
-from agents.scene import COURSE_SPEED, FAR, Scene, level
-from agents.sight import Perception, Sight, goal_parts
-from agents.towing import Towing
-from agents.turning import wrapped
-from plant.kinematics import Kinematics, Parts
+from agents.agent import REST, Agent, AgentError, Array, Body, Percepts
+from agents.sight import Perception, Sight, View
+from agents.steering import SMALL, TRIFLE, Course, Places, Planner
+from plant.kinematics import ArmPose, Kinematics
 from plant.robot import Drive
+
+PLANS = 0.02  # of L / v_max, from one plan to the next: 15 a second
+SOON = 0.12  # of L / v_max: the arm makes up for a height; its joints are seen to move
+FADES = 0.4  # of L / v_max: the arm's own motion fades; a drive is learned, comfort is sought
+STILL = 0.003  # of the top speeds: motion that is none
+ALONE = 8.0  # power of how much of the hand's way follows from its height: all, or it is its own
+TOP = 0.985  # of a joint's circle's height, beyond which it does not lift the hand
+CORNER = 0.2  # [rad] that a goal's way turns at once: more is a corner, no bend
+SWINGS = 0.05  # of L: the most that a motion of the arm's own is expected to go on
+EASE = 0.01  # of L: the most that the hand is to be carried past its goal, for comfort
+COMFORT = 0.25  # of L off a comfortable reach, at which it is the most; half a turn off the bearing
+LEAST = 0.25  # of its speeds that a drive is thought to make
+
+
+class Memory(NamedTuple):
+    """What the platform remembers from plan to plan, for one or many; places as complex numbers.
+
+    Attributes:
+        t: Of this plan [s].
+        hand: (..., 3) where the hand was [m].
+        going, bend: (...) how the goal went [m/s], and how fast its way has turned [rad/s].
+        moved: (..., n) mean squares of the joints' speeds.
+        lasting: (...) sum of what was missing [m], in the world.
+        ease: (...) by what the hand is carried past its goal [m], as the platform faces.
+        plan: (..., M, 2), now: (..., 2) the speeds when it was made, as shares of the tops.
+        left: (...) error that it leaves [m].
+    """
+
+    t: float
+    hand: Array
+    going: Places
+    bend: Array
+    moved: Array
+    lasting: Places
+    ease: Places
+    plan: Array
+    now: Array
+    left: Array
+
+
+class Own(NamedTuple):
+    """What the platform sees of itself, at each tick.
+
+    Attributes:
+        t: [s].
+        base: (..., 3) [m], [rad].
+        told, speed: (..., 2) last command and speed, as shares of the tops.
+        able: (2, ..., 2) means of command times speed, and of squared commands.
+    """
+
+    t: float
+    base: Array
+    told: Array
+    speed: Array
+    able: Array
 
 
 class PlatformAgent(Agent):
-    """The platform under the arm: a hybrid agent (paper, sections 4.1 and 5).
+    """The platform under the arm: it plans how to carry the hand to its goal and with it.
 
-    Its behaviours, the highest first:
-
-    1. *Bring the hand nearer*, as the joints do: it drives and turns on as it does, corrected by
-       a share of what would bring the hand closest to the goal a moment ahead. What the arm can
-       not reach is reached all the same.
-    2. *Go forward only*: the sensors that keep it off people and furniture look ahead.
-    3. *Line up*, weakly: turn to where the hand travels and to where the arm points, and keep the
-       arm at a comfortable reach, as a person walks up to a book instead of stretching for it.
-       This is bounded in acceleration, so that it costs the hand no more than a millimetre or so
-       and the person beside the robot sees smooth, foreseeable moves. Where turning does not
-       serve the hand, lining up is all the steering, and brisker (`Scene.steering`); a hand
-       that it carries behind its axle it tows (`Towing`), and one that but a single joint still
-       lifts rides on it (`Riding`).
-    4. *Leave deadlocks*: when it turns and the arm turns back, and the hand gets no nearer, it
-       stops turning for a cycle and lets the arm go first (`Deadlock`).
+    It shares the hand with the arm: it expects that the arm goes on as seen, less and less, so
+    what the arm does now the platform takes over. It knows nothing of what is broken: where the
+    arm's motion is that of a single joint, the hand is expected on that joint's circle; where the
+    arm makes good what comfort asks for, comfort is sought; what the drive makes of a command is
+    learned. It goes forward only: the sensors that keep it off people look ahead.
     """
 
     def __init__(
@@ -58,60 +81,34 @@ class PlatformAgent(Agent):
         body: Body,
         *,
         perception: Perception = "auto",
-        gain: float = 0.35,
-        horizon: Annotated[float, "s"] = 0.12,
         reach: float = 0.67,
         bearing: Annotated[float, "rad"] = 0.0,
-        hurry: float = 0.6,
-        turning: float = 0.25,
-        ease_linear: Annotated[float, "m/s2"] = 0.014,
-        ease_angular: Annotated[float, "rad/s2"] = 0.08,
     ) -> None:
         """Become the agent of the platform.
 
-        perception: see `Sight`
-        gain: share of the best correction that it makes, to begin with; it adapts (0 to 1)
-        horizon: how far ahead it looks [s]; at least one and a half control periods are taken
-        reach: comfortable distance of the hand from the arm's root, as a share of the arm's length
-        bearing: of the hand as seen from the arm's root when the two are lined up [rad]
-        hurry: speed towards a comfortable reach for each metre off it [1/s]
-        turning: speed towards being lined up for each radian off it [1/s]
-        ease_linear, ease_angular: bounds on what lining up may change [m/s2], [rad/s2]
+        Args:
+            body: Which robot.
+            perception: See `Sight`.
+            reach: Comfortable distance of the hand from the arm's root, as a share of its length.
+            bearing: Of the hand as seen from the arm's root when it is lined up.
 
-        Raises `AgentError` when a value is out of its range or the robot has no platform.
+        Raises:
+            AgentError: When `reach` is not positive or the robot has no platform.
         """
-        if not 0 < gain <= 1:
-            raise AgentError(f"gain: {gain:g} must be above 0 and at most 1")
-        for name, value in (("horizon", horizon), ("reach", reach)):
-            if not value > 0:
-                raise AgentError(f"{name}: {value:g} must be positive")
-        for name, value in (
-            ("hurry", hurry),
-            ("turning", turning),
-            ("ease_linear", ease_linear),
-            ("ease_angular", ease_angular),
-        ):
-            if value < 0:
-                raise AgentError(f"{name}: {value:g} must not be negative")
-        self._drive = drive_of(body)
+        if not reach > 0:
+            raise AgentError(f"reach: {reach:g} must be positive")
+        drive = drive_of(body)
         self._sight = Sight(body, perception)
         self.sees = self._sight.sees | {"base", "goal"}
-        self._horizon = max(horizon, 1.5 * body.period)
-        self.rest = REST * self._horizon
-        self._advance_gain = SteadierGain(gain, max(gain, 0.85))
-        self._turn_gain = SteadierGain(gain, max(gain, 0.85))
-        root, length = _root_and_length(body)
-        self._root = root.tolist()
-        self._reach, self._length = reach * length, length
-        self._bearing = bearing
-        self._hurry, self._turning = hurry, turning
-        self._ease_linear, self._ease_angular = ease_linear, ease_angular
-        self._elapsed = Elapsed(body.period, self._horizon)
-        self._hand_motion, self._motion = SeenVelocity(), SeenVelocity()
-        self._heading: Array | None = None
-        self._towing = Towing(self._drive.max_linear)
-        self._riding = Riding(self._drive)
-        self._deadlock = Deadlock()
+        self._root, self._length = _root_and_length(body)
+        self._top = np.array([drive.max_linear, drive.max_angular])
+        change = np.array([drive.max_linear_acceleration, drive.max_angular_acceleration])
+        self._planner = Planner(self._top, change, self._length)
+        self._unit, self._period = self._planner.unit, body.period
+        self.rest = REST * PLANS * self._planner.unit
+        self._reach, self._bearing = reach * self._length, bearing
+        self._memory: Memory | None = None
+        self._own: Own | None = None
 
     def decide(self, percepts: Percepts) -> Array | None:
         """Return the speeds (..., 2): linear [m/s], never negative, and angular [rad/s].
@@ -123,154 +120,150 @@ class PlatformAgent(Agent):
             self.perception = "none"
             return None
         self.perception = "blackboard" if view.certain else "localiser"
-        scene = self._scene(percepts.t, view.hand_parts, percepts.base, percepts.goal)
-        elapsed = self._elapsed.at(percepts.t)
-        speeds = self._speeds(elapsed, scene)
+        own, memory = self._looked(percepts.t, percepts.base), self._memory
+        product, square = own.able
+        able = np.clip((product + STILL**2) / (square + STILL**2), LEAST, 1.0)
+        if memory is not None and memory.hand.shape != (*percepts.base.shape[:-1], 3):
+            memory = None
+        every = PLANS * self._unit - 0.5 * self._period
+        if memory is None or not 0 <= percepts.t - memory.t < every:
+            memory = self._memory = self._planned(percepts, view, own, able, memory)
+        since = percepts.t - memory.t + self._period
+        share = min(since / self._planner.length[0], 1.0)
+        wanted = memory.now + share * (memory.plan[..., 0, :] - memory.now)
+        told = np.clip(wanted / able, [0.0, -1.0], 1.0)
+        self._own = own._replace(told=told)
+        speeds: Array = told * self._top
+        return speeds
+
+    def _looked(self, t: float, base: Array) -> Own:
+        """Return its own speed by two sights of itself, and what has come of commands."""
+        old = self._own
+        if old is None or old.base.shape != base.shape:
+            none = np.zeros((*base.shape[:-1], 2))
+            return Own(t, base, none, none, np.zeros((2, *none.shape)))
+        if not t > old.t:
+            return old
+        way = base - old.base
+        way[..., 2] = np.angle(np.exp(1j * way[..., 2]))
+        heading = old.base[..., 2] + 0.5 * way[..., 2]
+        ahead = way[..., 0] * np.cos(heading) + way[..., 1] * np.sin(heading)
+        speed = np.stack([ahead, way[..., 2]], axis=-1) / (t - old.t) / self._top
+        seen = np.stack([old.told * speed, old.told**2])
+        return Own(t, base, old.told, speed, old.able + self._share(t - old.t) * (seen - old.able))
+
+    def _share(self, elapsed: float, memory: float = FADES) -> float:
+        return float(1 - np.exp(-elapsed / (memory * self._unit)))
+
+    def _planned(
+        self, percepts: Percepts, view: View, own: Own, able: Array, old: Memory | None
+    ) -> Memory:
+        """Return a new plan, and what is remembered with it."""
+        t, base, goal = percepts.t, percepts.base, percepts.goal
+        assert base is not None
+        assert goal is not None
+        hand, aim, velocity = np.asarray(view.hand), goal.at(t), goal.velocity_at(t)
+        if old is not None and not 0 < t - old.t < FADES * self._unit:
+            old = None
+        elapsed = PLANS * self._unit if old is None else t - old.t
+        turn, place = np.exp(-1j * base[..., 2]), _flat(base)
+        held, target, going = (
+            (_flat(hand) - place) * turn,
+            (_flat(aim) - place) * turn,
+            _flat(velocity),
+        )
+        zero = np.zeros(held.shape)
+        if old is None:
+            old = Memory(t, hand, going, zero, np.zeros(1), zero, zero, None, None, zero)  # type: ignore[arg-type]
+        end, share = self._planner.end, self._share(elapsed)
+        # the goal goes on, on a circle if its way has bent
+        bent = np.angle(going * np.conj(old.going))
+        bend = old.bend + self._share(elapsed, 1.0) * (bent / elapsed - old.bend)
+        bend = np.where((np.abs(bent) < CORNER) & (going != 0), bend, 0.0)
+        angle = 1j * bend[..., None] * end
+        arc = np.where(angle == 0, 1.0, np.expm1(angle) / np.where(angle == 0, 1.0, angle))
+        goal_then = target[..., None] + (going * turn)[..., None] * end * arc
+        # the arm lifts the hand as it has of late; the rest of its own motion fades
+        drift = (hand - old.hand) / elapsed
+        speed = own.speed * self._top
+        arm_drift = _flat(drift) * turn - speed[..., 0] - 1j * held * speed[..., 1]
+        below = (aim - hand)[..., 2, None] * np.exp(-end / (SOON * self._unit))
+        height = aim[..., 2, None] + velocity[..., 2, None] * end - below
+        moved, hand_then = old.moved, held[..., None]
         if view.arm is not None and percepts.joints is not None:
-            speeds = self._riding.instead_of(speeds, elapsed, scene, view, percepts.joints)
-        linear, angular = speeds
-        waits = self._waits(percepts.t, scene)
-        return joined(linear, where(waits, 0.0, within(angular, self._drive.max_angular)))
+            fresh = np.nan_to_num(percepts.joints.velocity) ** 2
+            moved = old.moved + (1.0 if old.plan is None else self._share(elapsed, SOON)) * (
+                fresh - old.moved
+            )
+            still = STILL * self._top[0]
+            shift, slope = lifted(view.arm, moved, height, still)
+            known = np.asarray(view.modelled, dtype=float) * turn
+            hand_then = hand_then + known[..., None] * shift
+            arm_drift = arm_drift - known * slope * drift[..., 2]
+        fades = FADES * self._unit  # sooner the faster it is: a swing ends
+        far = arm_drift * fades
+        far = far / (1 + np.abs(far) / (SWINGS * self._length))
+        hand_then = hand_then + far[..., None] * (1 - np.exp(-end / fades))
+        # what stays missing is asked for more; comfort only while nothing is missing
+        missing = target - held
+        off, trifle = np.abs(missing), TRIFLE * self._length
+        sums = (off < 2 * SMALL * self._length) & (old.left < trifle)
+        more = elapsed / self._unit * missing * np.conj(turn)
+        lasting = old.lasting + np.where(sums, more, -share * old.lasting)
+        content = np.clip(1 - off / trifle, 0.0, 1.0)
+        ease = old.ease + share * (content * self._comfort(held, hand[..., 2]) - old.ease)
+        wanted = goal_then + (lasting * turn + ease)[..., None]
+        now = np.clip(own.speed, [0.0, -1.0], 1.0)
+        before = None if old.plan is None else self._planner.later(old.plan, elapsed)
+        plan, left = self._planner.plan(Course(wanted, hand_then, now, able), before)
+        return Memory(t, hand, going, bend, moved, lasting, ease, plan, now, left)
 
-    def _speeds(self, elapsed: float, scene: Scene) -> tuple[Array, Array]:
-        """Return the speeds that its behaviours come to, the higher before the lower."""
-        linear, angular = self._bring_nearer(scene)
-        eased_linear, eased_angular, top, stretched = self._line_up(scene)
-        brisk = 1 + BRISK * scene.steering
-        towed_linear, towed_angular = self._towing.speeds(elapsed, scene)
-        towing = Towing.share(scene)
-        linear = mixed(linear, towed_linear, towing)
-        eased_linear = mixed(eased_linear, towed_linear, towing)
-        eased_angular = self._kept_up_with(eased_angular * brisk, scene)
-        eased_angular = mixed(eased_angular, towed_angular, towing)
-        top = mixed(top, self._drive.max_linear, towing)
-        faster = eased_linear - scene.linear
-        ease_linear = self._ease_linear * elapsed * (1 + HASTE * stretched * scene.led_on)
-        braking = ease_linear * (1 + BRAKES * (1 - scene.led_on))
-        ease_angular = self._ease_angular * elapsed * (2 * brisk - 1)
-        linear = linear + greater(lesser(faster, ease_linear), -braking)
-        turning = within(eased_angular - scene.angular, ease_angular)
-        # a hand carried at its side goes on with the goal: it drives as much more as it turns
-        led = lesser(ABREAST * (1 - scene.in_front), 1.0) * scene.led_on * (1 - towing)
-        linear = linear + led * scene.aside * turning
-        return lesser(greater(linear, 0.0), top), angular + turning
+    def _comfort(self, held: Places, height: Array) -> Places:
+        """Return by what (...) [m] to carry the hand past its goal: the arm then gives way.
 
-    def _kept_up_with(self, angular: Array, scene: Scene) -> Array:
-        """Return the turning (...) [rad/s], no faster than driving can make up for.
-
-        A hand that is carried at its side goes on or back as it turns. What that takes is neither
-        to be more than its top speed, less a reserve, nor to be driven backwards.
+        "If the book is too far to be taken by arm extension, the person walks" (paper, section 4).
         """
-        going = scene.going[0] * scene.ahead[0] + scene.going[1] * scene.ahead[1]
-        on = greater(KEPT_UP * self._drive.max_linear - going, 0.0)
-        back = lesser(-going, 0.0)
-        side = where(scene.aside < 0, -1.0, 1.0)
-        aside = greater(abs(scene.aside), LEAST_ASIDE)
-        bounded = side * lesser(greater(side * aside * angular, back), on) / aside
-        return mixed(bounded, angular, scene.far)
-
-    def _scene(self, t: float, hand: Parts, base: Array, goal: Goal) -> Scene:
-        x, y, told = parts(base)
-        if self._heading is None or not alike(self._heading, told):
-            self._heading = told
-        self._heading = heading = self._heading + wrapped(told - self._heading)
-        linear_x, linear_y, angular = _velocity(self._motion, t, (x, y, heading))
-        hand_x, hand_y, hand_z = hand
-        place, going = goal_parts(goal, t)
-        missing = between(hand, place)
-        ahead = cos(heading), sin(heading)
-        return Scene(
-            hand=(hand_x - x, hand_y - y, hand_z),
-            drift=_velocity(self._hand_motion, t, hand),
-            missing=missing,
-            going=going,
-            heading=heading,
-            ahead=ahead,
-            linear=linear_x * ahead[0] + linear_y * ahead[1],
-            angular=angular,
-            carried=(hand_x - x) * ahead[0] + (hand_y - y) * ahead[1],
-            aside=(hand_y - y) * ahead[0] - (hand_x - x) * ahead[1],
-            off=level(missing),
-            speed=level(going),
+        arm = held - (self._root[0] + 1j * self._root[1])
+        off = np.hypot(np.abs(arm), height - self._root[2]) - self._reach
+        aside = np.angle(arm * np.exp(-1j * self._bearing))
+        ahead, left = (
+            np.sign(x) * np.minimum(np.abs(x), 1.0) ** 2
+            for x in (off / (COMFORT * self._length), aside / np.pi)
         )
-
-    def _bring_nearer(self, scene: Scene) -> tuple[Array, Array]:
-        """Return the speeds that serve the hand: its own, corrected (section 3.1).
-
-        Both corrections are a share of what would bring the hand closest to the goal at the end
-        of the horizon, if all else went on as it is: by driving ahead, by turning about the axle.
-        """
-        hand_x = scene.hand[0] + scene.drift[0] * self._horizon
-        hand_y = scene.hand[1] + scene.drift[1] * self._horizon
-        goal_x = scene.hand[0] + scene.missing[0] + scene.going[0] * self._horizon
-        goal_y = scene.hand[1] + scene.missing[1] + scene.going[1] * self._horizon
-        advance = (goal_x - hand_x) * scene.ahead[0] + (goal_y - hand_y) * scene.ahead[1]
-        turn = arctan2(hand_x * goal_y - hand_y * goal_x, hand_x * goal_x + hand_y * goal_y)
-        turn_gain = (1 - scene.steering) * self._turn_gain.after(turn)
-        return (
-            scene.linear + self._advance_gain.after(advance) * advance / self._horizon,
-            scene.angular + turn_gain * turn / self._horizon,
-        )
-
-    def _line_up(self, scene: Scene) -> tuple[Array, Array, Array, Array]:
-        """Return the speeds at which platform, arm and travel come to be lined up, and the top.
-
-        The top speed is less the more it heads past a goal that is far: it turns first. Last comes
-        how far (...), 0 to 1, the arm is stretched.
-        """
-        ahead_x, ahead_y = scene.ahead
-        root_x, root_y, root_z = self._root
-        arm_x = scene.hand[0] - (ahead_x * root_x - ahead_y * root_y)
-        arm_y = scene.hand[1] - (ahead_y * root_x + ahead_x * root_y)
-        arm_z = scene.hand[2] - root_z
-        far = level((arm_x, arm_y, arm_z))
-        off_reach = sqrt(far * far + arm_z * arm_z) - self._reach
-        # where to go, seen from above [m]: along the hand's travel as far as a steering platform
-        # must look ahead, to what is missing, and to where the arm has a comfortable reach
-        lead = greater(-1.5 * scene.carried, LEAD) / greater(scene.speed, COURSE_SPEED)
-        ease = scene.in_front * lesser(greater(off_reach, 0.0), LEAD) / greater(far, NEAR_ROOT)
-        way_x = lead * scene.going[0] + scene.missing[0] + ease * arm_x
-        way_y = lead * scene.going[1] + scene.missing[1] + ease * arm_y
-        weight = lesser(sqrt(way_x * way_x + way_y * way_y) / LEAD, 1.0)
-        course = arctan2(way_y, way_x) - scene.heading
-        bearing = arctan2(arm_y, arm_x) - scene.heading - self._bearing
-        arms = ARM_WEIGHT * scene.in_front
-        turn = arctan2(
-            weight * sin(course) + arms * sin(bearing), weight * cos(course) + arms * cos(bearing)
-        )
-        linear = scene.speed * weight * cos(course) + self._hurry * off_reach * cos(bearing)
-        facing = lesser(greater(cos(course), 0.0) + 1 - scene.far, 1.0)
-        top = self._drive.max_linear * facing
-        stretched = ramp((off_reach + self._reach) / self._length, *STRETCHED)
-        return lesser(greater(linear, 0.0), top), self._turning * turn, top, stretched
-
-    def _waits(self, t: float, scene: Scene) -> Mask:
-        """Return where (...) it is to stop turning, so that the arm goes first."""
-        hand_x, hand_y, _ = scene.hand
-        drift_x = scene.drift[0] - scene.linear * scene.ahead[0]
-        drift_y = scene.drift[1] - scene.linear * scene.ahead[1]
-        round_it = hand_x * drift_y - hand_y * drift_x
-        swing = round_it / greater(hand_x * hand_x + hand_y * hand_y, NEAR_ROOT**2)
-        distance = sqrt(scene.off * scene.off + scene.missing[2] * scene.missing[2])
-        waits = self._deadlock.waiting(t, distance, scene.angular, swing)
-        return waits & (scene.off < FAR)
+        away = arm / np.maximum(np.abs(arm), SMALL * self._length)
+        shift: Places = EASE * self._length * away * (ahead + 1j * left)
+        return shift
 
 
-LEAD = 0.13  # [m] how far along the hand's travel a steering platform looks, at the least
-NEAR_ROOT = 0.05  # [m] from the arm's root within which the arm points nowhere
-ARM_WEIGHT = 0.4  # of where the arm points, beside where the hand has to go
-KEPT_UP = 0.8  # of its top speed, that it may need to keep the hand with the goal as it turns
-LEAST_ASIDE = 0.01  # [m] of a hand at its side, so that nothing is infinite
-STRETCHED = 0.78, 0.88  # of the arm's length, that the hand is from its root: no haste, all of it
-HASTE = 4.0  # times as briskly again does it drive on with a goal that is stretching the arm
-BRAKES = 8.556  # times as briskly again does it slow down for a goal that stands still
-ABREAST = 1.2  # shares of a hand not carried in front, that it drives on with in full
-BRISK = 11.0  # times as briskly does it line up where turning does not serve the hand
+def lifted(arm: ArmPose, moved: Array, height: Array, still: float) -> tuple[Places, Places]:
+    """Return how far the hand goes on the level (..., M) [m] as it comes to heights (..., M) [m].
+
+    Each joint lifts the hand on its own circle; the circles are averaged by how much of its rise
+    is whose, as the joints have moved of late (`moved` (..., n) [rad2/s2], `still` [m/s]). This
+    holds as far as the level motion follows from the rise, as it does where but one joint moves.
+    Second is the slope (...) [m/m] now.
+    """
+    way = np.cross(arm.axes, arm.tip[..., None, :] - arm.points)  # (..., n, 3) [m/rad]
+    level, rises = _flat(way), way[..., 2]
+    lifts = moved * rises**2
+    rise = lifts.sum(axis=-1) + still**2
+    together = (moved * rises * level).sum(axis=-1)
+    slides = (moved * np.abs(level) ** 2).sum(axis=-1)
+    follows = 1 - (slides - np.abs(together) ** 2 / rise) / (slides + rise)
+    follows = np.clip(follows, 0.0, 1.0) ** ALONE
+    inward = np.cross(way, arm.axes)  # from the circle's centre to the hand
+    size = np.maximum(np.hypot(inward[..., 2], rises), 1e-9)[..., None]
+    phase = np.arctan2(rises, inward[..., 2])[..., None]
+    up = height[..., None, :] - (arm.tip[..., 2, None] - inward[..., 2])[..., None]
+    angle = phase - np.where(phase > 0, 1.0, -1.0) * np.arccos(np.clip(up / size, -TOP, TOP))
+    shift = _flat(inward)[..., None] * (np.cos(angle) - 1) + level[..., None] * np.sin(angle)
+    mean = ((lifts / rise[..., None])[..., None] * shift).sum(axis=-2)
+    return follows[..., None] * mean, follows * together / rise
 
 
-def _velocity(seen: SeenVelocity, t: float, place: Parts) -> Parts:
-    velocity = seen.after(t, place)
-    return between(place, place) if velocity is None else velocity
+def _flat(vector: Array) -> Places:
+    flat: Places = vector[..., 0] + 1j * vector[..., 1]
+    return flat
 
 
 def drive_of(body: Body) -> Drive:

@@ -1,0 +1,230 @@
+"""Which speeds of a platform bring the hand that it carries to its goal, from now on.
+
+A receding horizon over the platform's own motion. Places on the floor are complex numbers in the
+platform's frame of now, x ahead and y to its left, so that turning is multiplication. A plan holds
+a speed ahead v and one of turning w for each of M intervals, as shares of the drive's tops.
+Of a hand held at h, with a goal at g and the platform at p, heading e^ia, what is missing is
+r_j = g_j - p_j - e^ia_j h_j at the end of interval j. The cost is
+
+    sum_j T_j rho(r_j) + (rest from there) + (what moving and changing speed count),
+    rho(r) = d^2 / P ((1 + |r|^2 / d^2)^P - 1)
+
+so that small errors count by their square and large ones by a root: a detour, however wide, is
+better than an error for good. Lengths are shares of the arm's reach L, times of L / v_max.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from agents.agent import Array
+
+Places = npt.NDArray[np.complex128]
+
+INTERVALS = 14  # M: a decision's time grows with its cube, and half as many are too coarse
+FIRST = 0.045  # of L / v_max: the first interval, and how late a drive has the speed it is told
+GROWTH = 1.3  # of each interval over the one before: 19 s ahead with ARPH, the far end coarsely
+SMALL = 0.01  # of L: d, up to which errors count by their square
+POWER = 0.25  # P: 1/2 would wait for a goal that comes to a hand behind the axle, and recedes
+END = 0.6  # of L / v_max: so long the error at the end is taken to last
+TRIFLE = 0.002  # of L: error that is none, for comfort's and the detours' sake
+MOVES = 0.01  # of L: error as bad as turning at the top speed, or changing to it in L / v_max
+SEEDS = 12  # headings at the end for which a plan that turns, drives and turns is tried
+BETTER = 0.9  # share of the present plan's cost that another may have to replace it
+STEPS = 0.0, 1.0, 0.4, 0.1  # shares of a Gauss-Newton step that are tried
+
+
+class Course(NamedTuple):
+    """What is expected at the ends of the intervals, for one platform or many.
+
+    Attributes:
+        goal: (..., M) where the goal is [m].
+        hand: (..., M) where the arm holds the hand, as seen from the platform [m].
+        now: (..., 2) present speeds, as shares of the tops.
+        able: (..., 2) shares of the tops that the drive makes.
+    """
+
+    goal: Places
+    hand: Places
+    now: Array
+    able: Array
+
+
+class Planner:
+    """Plans for one kind of platform, for any leading dimensions."""
+
+    def __init__(self, top: Array, acceleration: Array, reach: float) -> None:
+        """Plan for a drive under an arm.
+
+        Args:
+            top: (2,) speeds [m/s], [rad/s].
+            acceleration: (2,) [m/s2], [rad/s2].
+            reach: L [m].
+        """
+        self.top, self.reach, self.unit = top, reach, reach / float(top[0])
+        self._change = acceleration / top
+        self.length = FIRST * self.unit * GROWTH ** np.arange(INTERVALS)  # [s] of the intervals
+        self.end = np.cumsum(self.length)
+        self._small = SMALL * reach
+        self._most_ahead, self._most_turn = self.length * top[:, None]  # [m], [rad] in each
+        late = FIRST * self.unit / self.length  # of each mean speed that is still the one before
+        self._mix = np.diag(1 - late) + np.diag(late[1:], k=-1)
+        between = np.concatenate([self.length[:1], 0.5 * (self.length[1:] + self.length[:-1])])
+        size = MOVES * reach * self.unit / np.sqrt(between)
+        self._first = float(size[0])
+        self._changes = size[:, None] * (np.eye(INTERVALS) - np.eye(INTERVALS, k=-1))
+        self._turning = (MOVES * reach) ** 2 * self.length[:, None] * np.array([0.0, 1.0])
+        self._stiff = np.kron(np.eye(2), self._changes.T @ self._changes)
+        self._stiff += np.diag(self._turning.T.ravel())
+        self._final = np.exp(2j * np.pi * np.arange(SEEDS) / SEEDS)
+
+    def plan(self, course: Course, before: Array | None) -> tuple[Array, Array]:
+        """Return a plan (..., M, 2), and the error (...) [m] that it leaves.
+
+        The better of two after a Gauss-Newton step each: what is left of the plan made last
+        (`before`), and the best of those that stop, go on, or turn, drive and turn.
+        """
+        held = np.broadcast_to(course.now[..., None, :], (*course.goal.shape, 2))
+        least, most = self._bounds(course)
+        others = np.stack([np.zeros_like(held), held], axis=-3)
+        others = np.clip(np.concatenate([others, self._seeds(course)], axis=-3), least, most)
+        best = self._cost(course, others).argmin(axis=-1)[..., None]
+        first = held if before is None else before
+        both = np.concatenate(
+            [
+                np.clip(first[..., None, :, :], least, most),
+                np.take_along_axis(others, best[..., None, None], axis=-3),
+            ],
+            axis=-3,
+        )
+        both, costs = self._improved(course, both, least, most)
+        takes = costs[..., 1] < BETTER * costs[..., 0]
+        plan = np.where(takes[..., None, None], both[..., 1, :, :], both[..., 0, :, :])
+        *_, missing = self._moved(course, plan[..., None, :, :])
+        return plan, np.abs(missing[..., 0, -1])
+
+    def later(self, plan: Array, elapsed: float) -> Array:
+        """Return what is left of plans (..., M, 2), `elapsed` [s] later; their end lasts."""
+        begin, end = self.end - self.length, np.append(self.end[:-1], np.inf)
+        inside = np.minimum(self.end[:, None] + elapsed, end)
+        inside = inside - np.maximum(begin[:, None] + elapsed, begin)
+        left: Array = np.maximum(inside, 0.0) / self.length[:, None] @ plan
+        return left
+
+    def _bounds(self, course: Course) -> tuple[Array, Array]:
+        """Return the least and most speeds (..., 1, M, 2) there can be; never backwards."""
+        now, able = course.now[..., None, None, :], course.able[..., None, None, :]
+        change, floor = self._change * self.end[:, None], able * np.array([0.0, -1.0])
+        least: Array = np.clip(now - change, floor, able)
+        most: Array = np.clip(now + change, floor, able)
+        return least, most
+
+    def _moved(self, course: Course, plan: Array) -> tuple[Places, Places, Places]:
+        """Return headings in mid-interval, places there, and what is missing: (..., C, M)."""
+        speed = self._mix @ plan
+        speed[..., 0, :] += course.now[..., None, :]
+        turn = speed[..., 1] * self._most_turn
+        angle = np.cumsum(turn, axis=-1)
+        middle = np.exp(1j * (angle - 0.5 * turn))
+        way = speed[..., 0] * self._most_ahead * np.sinc(turn / (2 * np.pi)) * middle
+        place = np.cumsum(way, axis=-1)
+        hand = place + np.exp(1j * angle) * course.hand[..., None, :]
+        return middle, place - 0.5 * way, course.goal[..., None, :] - hand
+
+    def _rho(self, missing: Array) -> Array:
+        size: Array = self._small**2 / POWER * ((1 + (missing / self._small) ** 2) ** POWER - 1)
+        return size
+
+    def _cost(self, course: Course, plan: Array) -> Array:
+        """Return the cost (..., C) [m2 s] of plans (..., C, M, 2)."""
+        *_, missing = self._moved(course, plan)
+        far = np.abs(missing)
+        rho, last = self._rho(far), far[..., -1]
+        time, turns = self._to_go(course, plan, missing[..., -1])
+        swing = np.abs(course.hand[..., None, -1]) * np.minimum(turns, np.pi) / 2
+        swing = self._rho(swing) * last**2 / (last**2 + 4 * (TRIFLE * self.reach) ** 2)
+        rest = rho[..., -1] * (END * self.unit + time / 2) + swing * turns / self.top[1]
+        change = self._changed(course, plan)
+        moves = (change**2 + self._turning * plan**2).sum(axis=(-1, -2))
+        cost: Array = rho @ self.length + rest + moves
+        return cost
+
+    def _changed(self, course: Course, plan: Array) -> Array:
+        change: Array = self._changes @ plan
+        change[..., 0, :] -= self._first * course.now[..., None, :]
+        return change
+
+    def _to_go(self, course: Course, plan: Array, missing: Places) -> tuple[Array, Array]:
+        """Return the least time (..., C) [s] to turn, drive and turn to the goal, and the turns.
+
+        From where plans end, with the hand's place `missing` (..., C) [m] the goal's.
+        """
+        angle = (self._mix @ plan)[..., 1] @ self._most_turn
+        angle = angle + course.now[..., None, 1] * self._most_turn[0]
+        hand = course.hand[..., None, -1]
+        way = (missing * np.exp(-1j * angle) + hand)[..., None] - self._final * hand[..., None]
+        turns = np.abs(np.angle(way)) + np.abs(np.angle(self._final * np.conj(way)))
+        time = np.abs(way) / self.top[0] + turns / self.top[1]
+        best = time.argmin(axis=-1)[..., None]
+        time, turns = (np.take_along_axis(all_of, best, -1)[..., 0] for all_of in (time, turns))
+        return time, turns
+
+    def _improved(
+        self, course: Course, plan: Array, least: Array, most: Array
+    ) -> tuple[Array, Array]:
+        """Return plans (..., C, M, 2) after one Gauss-Newton step within bounds, and their costs.
+
+        The hand turns about where the platform is in mid-interval, so that
+        dh_j / dv_k = T_k e^ia_k and dh_j / dw_k = i T_k (h_j - p_k) for k up to j.
+        """
+        middle, pivot, missing = self._moved(course, plan)
+        hand = course.goal[..., None, :] - missing
+        until = np.tri(INTERVALS)
+        ahead = (until * (middle * self._most_ahead)[..., None, :]) @ self._mix
+        around = 1j * (hand[..., :, None] - pivot[..., None, :]) * self._most_turn
+        ways = np.concatenate([ahead, (until * around) @ self._mix], axis=-1)
+        weight = np.broadcast_to(self.length, missing.shape).copy()
+        weight[..., -1] += END * self.unit + self._to_go(course, plan, missing[..., -1])[0] / 2
+        root = np.sqrt(weight * (1 + np.abs(missing / self._small) ** 2) ** (POWER - 1))
+        slope = np.concatenate([ways.real, ways.imag], axis=-2) * np.tile(root, 2)[..., None]
+        error = np.concatenate([missing.real * root, missing.imag * root], axis=-1)
+        turned = np.swapaxes(slope, -1, -2)
+        down = (turned @ error[..., None])[..., 0]
+        down -= _flat(self._changes.T @ self._changed(course, plan) + self._turning * plan)
+        at, low, high = _flat(plan), _flat(least), _flat(most)
+        free = ~(((at <= low) & (down < 0)) | ((at >= high) & (down > 0)))
+        bend = (turned @ slope + self._stiff) * (free[..., None] & free[..., None, :])
+        row = np.arange(2 * INTERVALS)
+        bend[..., row, row] += np.where(free, 1e-9, 1.0)
+        step = np.linalg.solve(bend, np.where(free, down, 0.0)[..., None])[..., 0]
+        tried = at[..., None, :] + np.array(STEPS)[:, None] * step[..., None, :]
+        tried = np.clip(tried, low[..., None, :], high[..., None, :])
+        tried = np.swapaxes(tried.reshape(*tried.shape[:-1], 2, INTERVALS), -1, -2)
+        beside = tried.reshape(*tried.shape[:-4], -1, INTERVALS, 2)
+        costs = self._cost(course, beside).reshape(tried.shape[:-2])
+        best = costs.argmin(axis=-1)[..., None]
+        plan = np.take_along_axis(tried, best[..., None, None], axis=-3)[..., 0, :, :]
+        return plan, np.take_along_axis(costs, best, axis=-1)[..., 0]
+
+    def _seeds(self, course: Course) -> Array:
+        """Return plans (..., S, M, 2) that turn, drive and turn, to end with each heading."""
+        row = np.zeros((*course.goal.shape[:-1], SEEDS), dtype=np.intp)
+        for _ in range(3):  # the goal goes on meanwhile
+            way = np.take_along_axis(course.goal, row, axis=-1)
+            way = way - self._final * np.take_along_axis(course.hand, row, axis=-1)
+            turns = np.angle(way), np.angle(self._final * np.conj(way))
+            drive = np.abs(way) / self.top[0]
+            lasts = np.stack([abs(turns[0]) / self.top[1], drive, abs(turns[1]) / self.top[1]])
+            ends = np.cumsum(lasts, axis=0)
+            row = np.minimum(np.searchsorted(self.end, ends[-1]), INTERVALS - 1)
+        begins = np.maximum(self.end - self.length, (ends - lasts)[..., None])
+        share = np.maximum(np.minimum(self.end, ends[..., None]) - begins, 0.0) / self.length
+        first, second = (np.sign(turn)[..., None] for turn in turns)
+        return np.stack([share[1], first * share[0] + second * share[2]], axis=-1)
+
+
+def _flat(plan: Array) -> Array:
+    """All speeds ahead (..., M, 2), then all of turning: (..., 2 M)."""
+    flat: Array = np.swapaxes(plan, -1, -2).reshape(*plan.shape[:-2], -1)
+    return flat

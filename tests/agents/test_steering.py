@@ -1,0 +1,53 @@
+"""Plans of a platform that carries a hand."""
+
+import numpy as np
+import pytest
+
+from agents.steering import INTERVALS, Course, Planner
+
+PLANNER = Planner(np.array([0.3, 0.8]), np.array([0.5, 2.0]), 1.0)
+
+
+def course(goal, hand, now=(0.0, 0.0)):
+    whole = np.ones(INTERVALS)
+    return Course(goal * whole, hand * whole, np.array(now), np.ones(2))
+
+
+def followed(goal, hand, plans=60, period=0.1):
+    """Drive as planned, planning anew all the time; return the error left [m]."""
+    place, heading, plan, now = 0j, 0.0, None, np.zeros(2)
+    for _ in range(plans):
+        turn = np.exp(-1j * heading)
+        before = None if plan is None else PLANNER.later(plan, period)
+        plan, _ = PLANNER.plan(course((goal - place) * turn, hand, now), before)
+        assert (plan[:, 0] >= 0).all()
+        assert (np.abs(plan) <= 1 + 1e-12).all()
+        now = plan[0]
+        place += now[0] * 0.3 * period * np.exp(1j * (heading + 0.4 * now[1] * period))
+        heading += now[1] * 0.8 * period
+    return abs(goal - place - np.exp(1j * heading) * hand)
+
+
+@pytest.mark.parametrize("hand", [0.4 - 0.2j, 0.4j, -0.5 + 0.1j])
+@pytest.mark.parametrize("goal", [1.0 + 0j, 0.5j, -0.8 - 0.3j])
+def test_a_hand_held_anywhere_comes_to_a_goal_anywhere(goal, hand):
+    assert followed(goal, hand, plans=250) < 0.01
+
+
+def test_a_hand_at_its_goal_stays():
+    plan, left = PLANNER.plan(course(0.3 + 0.1j, 0.3 + 0.1j), None)
+    np.testing.assert_allclose(plan, 0.0, atol=1e-6)
+    assert left < 1e-6
+
+
+def test_what_is_left_of_a_steady_plan_is_the_same():
+    plan = np.tile([0.5, -0.2], (INTERVALS, 1))
+    np.testing.assert_allclose(PLANNER.later(plan, 0.3), plan)
+
+
+def test_many_are_planned_for_as_each_alone():
+    some = [course(1.0 + 0j, 0.3j), course(-0.4j, 0.2 + 0j)]
+    together = Course(*(np.stack(parts) for parts in zip(*some, strict=True)))
+    plans, _ = PLANNER.plan(together, None)
+    for each, plan in zip(some, plans, strict=True):
+        np.testing.assert_allclose(PLANNER.plan(each, None)[0], plan, atol=1e-9)
