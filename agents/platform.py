@@ -10,17 +10,39 @@ from agents.steering import SMALL, TRIFLE, Course, Places, Planner
 from plant.kinematics import ArmPose, Kinematics
 from plant.robot import Drive
 
-PLANS = 0.02  # of L / v_max, from one plan to the next: 15 a second
-SOON = 0.12  # of L / v_max: the arm makes up for a height; its joints are seen to move
-FADES = 0.4  # of L / v_max: the arm's own motion fades; a drive is learned, comfort is sought
-STILL = 0.003  # of the top speeds: motion that is none
-ALONE = 8.0  # power of how much of the hand's way follows from its height: all, or it is its own
-TOP = 0.985  # of a joint's circle's height, beyond which it does not lift the hand
-CORNER = 0.2  # [rad] that a goal's way turns at once: more is a corner, no bend
-SWINGS = 0.05  # of L: the most that a motion of the arm's own is expected to go on
-EASE = 0.01  # of L: the most that the hand is to be carried past its goal, for comfort
-COMFORT = 0.25  # of L off a comfortable reach, at which it is the most; half a turn off the bearing
-LEAST = 0.25  # of its speeds that a drive is thought to make
+PLANS = 0.02
+"""[L / v_max] Time from one plan to the next. Derived: 15 plans a second with ARPH, as often as
+the paper's control loop runs."""
+SOON = 0.12
+"""[L / v_max] Time constant with which the arm corrects the hand's height, and over which its
+joints are seen to move. Chosen: 0.4 s with ARPH."""
+FADES = 0.4
+"""[L / v_max] Time constant with which the arm's own motion is expected to end; also over which
+the drive's strength is learned and comfort is sought. Chosen: 1.3 s with ARPH, longer than
+an arm takes to settle."""
+STILL = 0.003
+"""[top speed] Motion that counts as none. Chosen: below 1 mm/s and 0.2 deg/s with ARPH."""
+ALONE = 8.0
+"""[] Power of the share of the hand's level motion that follows from its rise. Chosen: a high
+power is a soft threshold near 1, below which the motion is the arm's own; 4 makes no difference."""
+TOP = 0.985
+"""[] Share of the height of a joint's circle above which that joint does not lift the hand.
+Derived: 10 deg from the top, where the level motion per height is over 5."""
+CORNER = 0.2
+"""[rad] Change of the goal's course between two plans that is a corner, not a bend. Derived: a
+bend of that rate would turn by half a turn a second."""
+SWINGS = 0.05
+"""[L] Largest distance that the arm's own motion is expected to go on. Trade-off: without a limit
+the platform turns away from a swing of the arm that its own turning causes."""
+EASE = 0.01
+"""[L] Largest distance by which the hand is carried past its goal for comfort. Chosen: the same
+as d, so that comfort asks for no more than a small error."""
+COMFORT = 0.25
+"""[L] Distance from a comfortable reach at which comfort asks for EASE. Chosen: it is the
+most where an arm with its comfortable reach at 0.67 L is nearly straight."""
+LEAST = 0.25
+"""[] Smallest share of its speeds that a drive is assumed to make. Chosen: it bounds the
+commands to a drive that hardly moves."""
 
 
 class Memory(NamedTuple):

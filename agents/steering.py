@@ -22,17 +22,38 @@ from agents.agent import Array
 
 Places = npt.NDArray[np.complex128]
 
-INTERVALS = 14  # M: a decision's time grows with its cube, and half as many are too coarse
-FIRST = 0.045  # of L / v_max: the first interval, and how late a drive has the speed it is told
-GROWTH = 1.3  # of each interval over the one before: 19 s ahead with ARPH, the far end coarsely
-SMALL = 0.01  # of L: d, up to which errors count by their square
-POWER = 0.25  # P: 1/2 would wait for a goal that comes to a hand behind the axle, and recedes
-END = 0.6  # of L / v_max: so long the error at the end is taken to last
-TRIFLE = 0.002  # of L: error that is none, for comfort's and the detours' sake
-MOVES = 0.01  # of L: error as bad as turning at the top speed, or changing to it in L / v_max
-SEEDS = 12  # headings at the end for which a plan that turns, drives and turns is tried
-BETTER = 0.9  # share of the present plan's cost that another may have to replace it
-STEPS = 0.0, 1.0, 0.4, 0.1  # shares of a Gauss-Newton step that are tried
+INTERVALS = 14
+"""[] M, intervals of a plan. Trade-off: a decision's time grows with its cube; 7 are too coarse
+to turn, drive and turn."""
+FIRST = 0.045
+"""[L / v_max] First interval, and the drive's lag in the rollout. Measured: 0.15 s with ARPH,
+which is how late the closed loop makes 40 % of a change a tick."""
+GROWTH = 1.3
+"""[] Each interval over the one before. Trade-off: with M it sets the horizon, 19 s with ARPH;
+the far end may be coarse."""
+SMALL = 0.01
+"""[L] d, up to which errors count by their square. Trade-off: twice as much is less smooth and
+leaves larger errors with two joints locked."""
+POWER = 0.25
+"""[] P, by which large errors count. Derived: it must be below 1/2, with which a plan waits for a
+goal that comes to a hand behind the axle and then recedes; 0.2 and 0.3 do as well."""
+END = 0.6
+"""[L / v_max] How long the error at the plan's end is taken to last. Chosen: 2 s with ARPH; three
+times as long makes no difference."""
+TRIFLE = 0.002
+"""[L] Error that counts as none, for comfort and for detours. Chosen: a fifth of d."""
+MOVES = 0.01
+"""[L] Error as bad as turning at the top speed, or as changing to it within L / v_max. Trade-off:
+more is smoother; 0.03 is sluggish after a push."""
+SEEDS = 12
+"""[] Headings at the end for which a plan that turns, drives and turns is tried. Trade-off: 18
+find no better plans."""
+BETTER = 0.9
+"""[] Share of the present plan's cost that another one needs to replace it. Chosen:
+hysteresis against changing sides at every plan; 0.97 makes no difference."""
+STEPS = 0.0, 1.0, 0.4, 0.1
+"""[] Shares of a Gauss-Newton step that the line search tries. Standard: a full step, and
+backtracking by less than a half."""
 
 
 class Course(NamedTuple):
