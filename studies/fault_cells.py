@@ -10,6 +10,7 @@ from agents.agent import Agent, Array
 from agents.sight import Perception
 from plant.kinematics import kinematics_of
 from studies.batch_faults import BatchFaults
+from studies.cases.goals import pieces
 from studies.feasible_plans import Since, earliest
 from studies.lockstep import Trace, run
 from studies.mobile import ARPH, BASE, DURATION, PERIOD, POSTURE, msma, plant, task
@@ -265,6 +266,6 @@ def oracle(cells: Cells) -> tuple[Array, Bools]:
             q = cells.q[some, :3] if at == 0 else np.tile(nominal.q[tick, :3], (len(some), 1))
             base = BASE if at == 0 else nominal.base[tick]
             since = Since(float(at), q, np.tile(base, (len(some), 1)))
-            answer = earliest(ARPH, cells.locks[some], goal, since, DURATION) - at
+            answer = earliest(ARPH, cells.locks[some], pieces(goal), since, DURATION) - at
             possible[rows if all(kind) else some] = answer
     return possible, high_enough(cells.locks, goal, DURATION - 2.0, DURATION)

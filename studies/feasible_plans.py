@@ -5,8 +5,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from agents.agent import Array, Goal
+from agents.agent import Array
 from plant.robot import Robot
+from studies.cases.goals import Goals
 from studies.mobile_reach import ASIDE, COLUMN, FORE, SHOULDER, UPPER, Bools
 from studies.platform_measures import wrapped
 
@@ -14,6 +15,8 @@ STEP = 0.12
 """Time step of the plans [s]."""
 SLACK = 1.0
 """Time allowed for acceleration, besides turning and driving at full speed [s]."""
+SAME = 1e-3
+"""Angles that differ by less are the same [rad]."""
 
 
 class Since(NamedTuple):
@@ -28,6 +31,14 @@ class Since(NamedTuple):
     t: float
     q: Array
     base: Array
+
+
+class _Path(NamedTuple):
+    """The goals of C cells at each half step: position [m], velocity [m/s]; (2 T - 1, C, 3)."""
+
+    t: Array
+    position: Array
+    velocity: Array
 
 
 class _Plans(NamedTuple):
@@ -55,7 +66,7 @@ class Plan(NamedTuple):
     velocity: Array
 
 
-def earliest(robot: Robot, locks: Array, goal: Goal, since: Since, last: float) -> Array:
+def earliest(robot: Robot, locks: Array, goals: Goals, since: Since, last: float) -> Array:
     """Return when the earliest plan is on the path to stay (C,) [s]; infinite if there is none.
 
     A plan has to begin at least two seconds before `last`.
@@ -63,28 +74,28 @@ def earliest(robot: Robot, locks: Array, goal: Goal, since: Since, last: float) 
     Args:
         robot: The mobile arm.
         locks: (C, 3) angles of joints 1 to 3 [rad]; NaN for free joints, the same in all cells.
-        goal: A straight piece of the path, in force from `since` to `last`.
+        goals: The path of each cell, or of all.
         since: State when the faults begin.
         last: End of the path [s].
     """
     answer = np.full(len(locks), np.inf)
-    for sweep in _sweeps(robot, locks, goal, since, last):
+    for sweep in _sweeps(robot, locks, goals, since, last):
         t = sweep.t[: len(sweep.good), None, None, None]
         when = np.where(sweep.good, t, np.inf)
         answer = np.minimum(answer, when.min(axis=(0, 2, 3), initial=np.inf))
     return answer
 
 
-def plan(robot: Robot, locks: Array, goal: Goal, since: Since, last: float) -> Plan | None:
+def plan(robot: Robot, locks: Array, goals: Goals, since: Since, last: float) -> Plan | None:
     """Return the earliest plan for one arm with `locks` (3,); None if there is none."""
     best: Plan | None = None
-    for sweep in _sweeps(robot, locks[None], goal, since, last):
+    for sweep in _sweeps(robot, locks[None], goals, since, last):
         if not sweep.good.any():
             continue
         k, _, p, h = (int(index[0]) for index in np.nonzero(sweep.good))
         if best is not None and best.t[0] <= sweep.t[k]:
             continue
-        x, y = _platform(sweep.plans, sweep.heading, goal, sweep.t)
+        x, y = _platform(sweep.plans, sweep.heading, sweep.path)
         best = Plan(
             sweep.t[k:],
             sweep.plans.q[2 * k :: 2, 0, p],
@@ -98,6 +109,7 @@ class _Sweep(NamedTuple):
     """All plans of some cells from all H headings: t (T,), all else (T, C, P, H)."""
 
     t: Array
+    path: _Path
     plans: _Plans
     heading: Array
     speed: Array
@@ -105,18 +117,20 @@ class _Sweep(NamedTuple):
     good: Bools  # (shorter, C, P, H) where a plan may begin
 
 
-def _sweeps(robot: Robot, locks: Array, goal: Goal, since: Since, last: float) -> Iterator[_Sweep]:
-    if not np.isnan(locks[..., 1:]).any():
-        return  # with shoulder and elbow locked there is only one height
+def _sweeps(
+    robot: Robot, locks: Array, goals: Goals, since: Since, last: float
+) -> Iterator[_Sweep]:
     times = np.arange(since.t, last + STEP / 4, STEP / 2)
     t = times[::2]
-    plans = _postures(robot, locks, goal, times)
+    now = [[np.broadcast_to(row, (len(locks), 3)) for row in goals(at)] for at in times]
+    path = _Path(times, *(np.stack(column) for column in zip(*now, strict=True)))
+    plans = _postures(robot, locks, path)
     for backwards in (False, True):
-        heading, speed, turn = _follow(plans, goal, times, backwards)
+        heading, speed, turn = _follow(plans, path, backwards)
         whole = _drivable(robot, speed, turn) & plans.ok[::2, ..., None]
         tail = np.flip(np.logical_and.accumulate(np.flip(whole, axis=0), axis=0), axis=0)
-        arrived = _arrival(robot, plans, heading, goal, t, since) <= t[:, None, None, None]
-        yield _Sweep(t, plans, heading, speed, turn, (tail & arrived)[t <= last - 2.0])
+        arrived = _arrival(robot, plans, heading, path, since) <= t[:, None, None, None]
+        yield _Sweep(t, path, plans, heading, speed, turn, (tail & arrived)[t <= last - 2.0])
 
 
 HEADINGS = np.radians(np.arange(-180.0, 180.0, 10.0))
@@ -124,7 +138,7 @@ _COLUMNS = np.radians(np.arange(-180.0, 180.0, 15.0))
 _SHOULDERS = np.radians(np.arange(-45.0, 146.0, 15.0))
 
 
-def _postures(robot: Robot, locks: Array, goal: Goal, times: Array) -> _Plans:
+def _postures(robot: Robot, locks: Array, path: _Path) -> _Plans:
     """Return the postures of all plans; all cells must have the same free joints."""
     free = np.asarray(np.isnan(locks).all(axis=0))
     cells = len(locks)
@@ -140,7 +154,7 @@ def _postures(robot: Robot, locks: Array, goal: Goal, times: Array) -> _Plans:
         np.broadcast_to(part, (cells, column.shape[1], steady.shape[1], 2)).reshape(cells, -1)
         for part in (column[:, :, None, None], steady[:, None, :, None], solutions)
     )
-    rise = np.array([goal.at(t)[2] for t in times])[:, None, None] - SHOULDER
+    rise = path.position[..., 2, None] - SHOULDER
     if moves_shoulder:  # rise is the sine of the shoulder plus a constant, times the span
         span = np.hypot(UPPER + FORE * np.cos(steady), FORE * np.sin(steady))
         tilt = np.arctan2(FORE * np.sin(steady), UPPER + FORE * np.cos(steady))
@@ -154,12 +168,14 @@ def _postures(robot: Robot, locks: Array, goal: Goal, times: Array) -> _Plans:
     shoulder, elbow = wrapped(shoulder), wrapped(elbow)
     q = np.stack([np.broadcast_to(column, elbow.shape), shoulder, elbow], axis=-1)
     out = UPPER * np.cos(shoulder) + FORE * np.cos(shoulder + elbow)
-    rate = np.abs(wrapped(np.diff(q, axis=0, prepend=q[:1]))) / (times[1] - times[0])
+    rate = np.abs(wrapped(np.diff(q, axis=0, prepend=q[:1]))) / (path.t[1] - path.t[0])
     ok: Bools = np.logical_and.reduce(
         [
             np.broadcast_to(np.abs(sine) < 1.0, elbow.shape),
             ((q >= robot.lower[:3] - 1e-9) & (q <= robot.upper[:3] + 1e-9)).all(axis=-1),
             (rate <= robot.max_speed[:3]).all(axis=-1),
+            # with shoulder and elbow locked there is only one height
+            (np.isnan(locks[:, None]) | (np.abs(wrapped(q - locks[:, None])) < SAME)).all(axis=-1),
         ]
     )
     x = COLUMN[0] + out * np.cos(column) + ASIDE * np.sin(column)
@@ -167,25 +183,25 @@ def _postures(robot: Robot, locks: Array, goal: Goal, times: Array) -> _Plans:
     return _Plans(q, x, y, ok)
 
 
-def _follow(plans: _Plans, goal: Goal, times: Array, backwards: bool) -> tuple[Array, Array, Array]:
+def _follow(plans: _Plans, path: _Path, backwards: bool) -> tuple[Array, Array, Array]:
     """Return heading, speed and turning speed (T, C, P, H) that keep the hand on the path.
 
     Integrates by the midpoint rule from each of `HEADINGS`, forwards from the first time or
     backwards from the last.
     """
-    half = times[1] - times[0]
+    half = path.t[1] - path.t[0]
     x_rate, y_rate = (np.gradient(part, half, axis=0)[..., None] for part in plans[1:3])
     along, across = plans.ahead[..., None], plans.aside[..., None]
     along = np.where(np.abs(along) < 1e-3, 1e-3, along)
-    gx, gy = goal.velocity_at(times[0])[:2]
 
     def speeds(heading: Array, i: int) -> tuple[Array, Array]:
         cosine, sine = np.cos(heading), np.sin(heading)
+        gx, gy = (path.velocity[i, :, axis, None, None] for axis in (0, 1))
         turn = (cosine * gy - sine * gx - y_rate[i]) / along[i]
         turn = np.clip(turn, -50.0, 50.0)  # too fast to be feasible, but finite
         return cosine * gx + sine * gy - x_rate[i] + turn * across[i], turn
 
-    count = (len(times) + 1) // 2
+    count = (len(path.t) + 1) // 2
     shape = (count, *plans.ok.shape[1:], len(HEADINGS))
     heading, speed, turn = np.empty(shape), np.empty(shape), np.empty(shape)
     order = range(count - 1, -1, -1) if backwards else range(count)
@@ -218,14 +234,12 @@ def _drivable(robot: Robot, speed: Array, turn: Array) -> Bools:
     return fine
 
 
-def _arrival(
-    robot: Robot, plans: _Plans, heading: Array, goal: Goal, t: Array, since: Since
-) -> Array:
+def _arrival(robot: Robot, plans: _Plans, heading: Array, path: _Path, since: Since) -> Array:
     """Return when platform and joints could be at each point of each plan (T, C, P, H) [s]."""
     drive = robot.drive
     assert drive is not None
     base = since.base[..., None, None, :]
-    x, y = _platform(plans, heading, goal, t)
+    x, y = _platform(plans, heading, path)
     x, y = x - base[..., 0], y - base[..., 1]
     course = np.arctan2(y, x)
     turns = np.abs(wrapped(course - base[..., 2])) + np.abs(wrapped(heading - course))
@@ -240,9 +254,9 @@ def _arrival(
     return arrival
 
 
-def _platform(plans: _Plans, heading: Array, goal: Goal, t: Array) -> tuple[Array, Array]:
+def _platform(plans: _Plans, heading: Array, path: _Path) -> tuple[Array, Array]:
     """Return x and y of the platform (T, C, P, H) [m] with the hand on the goal."""
-    position = np.array([goal.at(now)[:2] for now in t])[:, None, None, None, :]
+    position = path.position[::2, :, None, None, :2]
     cosine, sine = np.cos(heading), np.sin(heading)
     ahead, aside = plans.ahead[::2, ..., None], plans.aside[::2, ..., None]
     return (

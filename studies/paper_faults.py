@@ -10,6 +10,7 @@ from agents.agent import Array
 from plant.kinematics import Kinematics
 from plant.manus import START, model_from_manus
 from studies.batch_faults import BatchFaults
+from studies.cases.goals import pieces
 from studies.feasible_plans import Since, earliest
 from studies.lockstep import Trace, run
 from studies.mobile import ARPH, BASE, DURATION, PERIOD, POSTURE, msma, plant, posture, task
@@ -169,7 +170,7 @@ def _possible(which: tuple[Case, ...]) -> Array:
         if case.joint is not None:
             locks[0, case.joint] = case.q[case.joint]
         since = Since(0.0, case.q[None, :3], BASE[None])
-        answer.append(earliest(ARPH, locks, goal, since, DURATION)[0])
+        answer.append(earliest(ARPH, locks, pieces(goal), since, DURATION)[0])
     return np.array(answer)
 
 

@@ -1,6 +1,7 @@
 """The studies by name."""
 
 from importlib import import_module
+from inspect import signature
 from typing import Any
 
 from studies.study import Study, StudyError
@@ -18,19 +19,29 @@ STUDIES = {
     "fault-map": "studies.fault_map:FaultMap",
     "told-nothing": "studies.fault_comparison:FaultComparison",
     "directions": "studies.directions:Directions",
+    "bars": "studies.bars:Bars",
+    "held-out": "studies.held_out:HeldOut",
     "mobile-live": "studies.mobile_live:MobileLive",
 }
 """`module:Class` by name, in the order of the paper."""
 
 
-def study(name: str) -> Study[Any]:
+def study(name: str, **settings: int) -> Study[Any]:
     """Return the study of that name.
 
+    Args:
+        name: Its name.
+        **settings: Parameters of its class, such as `seed`.
+
     Raises:
-        StudyError: There is none; the message lists the valid names.
+        StudyError: There is none, or it takes no such parameter; the message lists the valid names.
     """
     if name not in STUDIES:
         raise StudyError(f"there is no study {name!r}; valid are {', '.join(STUDIES)}, all")
     module, _, kind = STUDIES[name].partition(":")
-    made: Study[Any] = getattr(import_module(module), kind)()
+    maker = getattr(import_module(module), kind)
+    unknown = [f"--{key}" for key in settings if key not in signature(maker).parameters]
+    if unknown:
+        raise StudyError(f"study {name} takes no {', '.join(unknown)}")
+    made: Study[Any] = maker(**settings)
     return made

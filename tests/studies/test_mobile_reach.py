@@ -4,6 +4,7 @@ import pytest
 from plant.kinematics import Kinematics
 from plant.motion import State, step
 from plant.plant import Commands
+from studies.cases.goals import pieces
 from studies.feasible_plans import STEP, Since, earliest, plan
 from studies.mobile import ARPH, BASE, POSTURE, task
 from studies.mobile_reach import heights, high_enough
@@ -74,7 +75,7 @@ def test_wherever_the_platform_is_only_the_height_decides_whether_a_hand_is_on_t
 def test_a_plan_carried_out_by_the_plant_keeps_the_hand_on_the_path(
     degrees: tuple[float, float, float],
 ) -> None:
-    found = plan(ARPH, np.radians(degrees), GOAL, START, 24.0)
+    found = plan(ARPH, np.radians(degrees), pieces(GOAL), START, 24.0)
     assert found is not None
     assert found.t[0] < 20.0
     assert (found.velocity[:, 0] >= 0).all()
@@ -92,18 +93,18 @@ def test_a_plan_carried_out_by_the_plant_keeps_the_hand_on_the_path(
 
 def test_a_plan_begins_no_earlier_than_the_platform_could_be_there() -> None:
     for degrees in [(150, FREE, FREE), (FREE, 140, FREE)]:
-        found = plan(ARPH, np.radians(degrees), GOAL, START, 24.0)
+        found = plan(ARPH, np.radians(degrees), pieces(GOAL), START, 24.0)
         assert found is not None
         drive = np.hypot(*(found.base[0, :2] - BASE[:2])) / 0.3
         assert found.t[0] >= drive
-        when = earliest(ARPH, np.radians([degrees]), GOAL, START, 24.0)
+        when = earliest(ARPH, np.radians([degrees]), pieces(GOAL), START, 24.0)
         assert found.t[0] == when[0]
 
 
 def test_there_is_no_plan_where_the_height_is_out_of_reach() -> None:
     locks = np.radians([[FREE, -40.0, FREE], [FREE, -20.0, FREE]])
     assert not high_enough(locks, GOAL, 22.0, 24.0).any()
-    assert np.isinf(earliest(ARPH, locks, GOAL, START, 24.0)).all()
+    assert np.isinf(earliest(ARPH, locks, pieces(GOAL), START, 24.0)).all()
     both = np.radians([[FREE, 40.0, -60.0]])
     assert not high_enough(both, GOAL, 22.0, 24.0).any()
-    assert np.isinf(earliest(ARPH, both, GOAL, START, 24.0)).all()
+    assert np.isinf(earliest(ARPH, both, pieces(GOAL), START, 24.0)).all()
