@@ -44,13 +44,13 @@ class Bar(NamedTuple):
     spare: float | None = None
 
     def cases(self, every: int) -> Kind:
-        """Return one out of `every` of the cases that count; of few cases all."""
+        """Return those that count of one out of `every` case; of few cases all are tried."""
         kind = KINDS[self.kind]()
+        if len(kind) > FEW:
+            kind = kind.part(slice(None, None, every))
         if self.spare is not None:
             kind = kind.part(possible(kind, self.spare))
-        if self.kind.startswith("two"):
-            kind = kind.part(slice(MOST))
-        return kind.part(slice(None, None, every)) if len(kind) > FEW else kind
+        return kind.part(slice(-(-MOST // every))) if self.kind.startswith("two") else kind
 
     def good(self, kind: Kind, found: Judgement) -> Bools:
         """Tell which of those cases went well."""

@@ -21,6 +21,7 @@ STUDIES = {
     "directions": "studies.directions:Directions",
     "bars": "studies.bars:Bars",
     "held-out": "studies.held_out:HeldOut",
+    "ablation": "studies.ablation:Ablation",
     "mobile-live": "studies.mobile_live:MobileLive",
 }
 """`module:Class` by name, in the order of the paper."""

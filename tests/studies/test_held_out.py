@@ -54,7 +54,7 @@ def test_the_bars_are_missed_where_agents_do_nothing(monkeypatch: pytest.MonkeyP
     assert missed["go well, paper's faults"] is False
 
 
-def test_of_two_locks_and_of_many_cases_a_part_is_run() -> None:
+def test_of_many_cases_a_part_is_run() -> None:
     assert len(Bar("all-round", 1, 1).cases(6)) == 56
     assert len(Bar("circle", 1, 1).cases(6)) == 8
 
