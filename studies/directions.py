@@ -95,7 +95,7 @@ def _rows(name: str, runs: GoalRuns) -> tuple[Row, ...]:
             done == count),
         Row(f"longest stall, {name}", f"at most {LONGEST_STALL:g} s", f"{runs.stuck.max():.1f} s",
             bool(runs.stuck.max() <= LONGEST_STALL)),
-        Row(f"farthest in reverse, {name}", "none", f"{back:.3f} m", bool(back == 0.0)),
+        Row(f"farthest in reverse, {name}", "", f"{back:.3f} m"),
         Row(f"longest time with the elbow below 15 deg, {name}", "never",
             f"{straight:.1f} s ({int((runs.stretched > 0).sum())} of {len(runs.labels)} runs)",
             bool(straight == 0.0)),

@@ -59,7 +59,7 @@ class Outcome(NamedTuple):
     Attributes:
         acquired: Time after the fault at which the goal is acquired [s]; infinite if never.
         worst: Largest error from then on [m]; infinite if never.
-        final: Error at the end [m].
+        final: Largest error of the last second [m].
         growing: Whether the error in the last two seconds exceeds that of the two before.
         coming: Whether it is less than half of that.
         slides: Horizontal motion of the hand for each metre of height, at the end, by the only
@@ -89,14 +89,14 @@ class Outcome(NamedTuple):
 
     @property
     def success(self) -> Bools:
-        """Cells in which the hand ends within tolerance."""
+        """Cells in which the hand is within tolerance from some time on to the end."""
         fine: Bools = self.final <= TOLERANCE
         return fine
 
     @property
     def share(self) -> float:
-        """Share of the reachable cells that end within tolerance."""
-        return float(self.success[self.reachable].mean()) if self.reachable.any() else 1.0
+        """Share of the reachable cells that end within tolerance; 0 if none is reachable."""
+        return float(self.success[self.reachable].mean()) if self.reachable.any() else 0.0
 
 
 class Map(NamedTuple):

@@ -81,6 +81,8 @@ class FaultMap(Study[MapFound]):
                 "shoulder and elbow locked, the hand has a single height but the path does not, so "
                 "these cells are never reachable. Undecided cells do not count: the height is "
                 "possible, but no plan is known.",
+                "A cell ends within 3 mm if its error is that for the whole last second. The law "
+                "never commands reverse, so the distance in reverse is shown, but has no bar.",
                 "Growing: the mean error of the last two seconds exceeds that of the two before by "
                 "more than 3 mm.",
                 *(misses(found) for found in maps),
@@ -122,7 +124,7 @@ def map_rows(found: Map, least: float) -> list[Row]:
         Row(f"end within 3 mm, {name}", bar, _share(found), o.share >= least),
         Row(f"still growing at the end, {name}", "none of the reachable",
             str(int((o.growing & reachable).sum())), not (o.growing & reachable).any()),
-        Row(f"farthest in reverse, {name}", "none", f"{back:.3f} m", back == 0.0),
+        Row(f"farthest in reverse, {name}", "", f"{back:.3f} m"),
         *_shown(found)[1:],
         *_elbow(found),
     ]  # fmt: skip

@@ -29,7 +29,7 @@ class GoalRuns(NamedTuple):
     Attributes:
         labels: Text for each run.
         trace: Trace of each run.
-        success: Whether the hand ends within tolerance.
+        success: Whether the hand is within tolerance for the last second.
         time: Time until it stays within tolerance [s]; infinite if never.
         length: Length of the platform's path [m].
         cusps: Number of cusps of the platform's path.

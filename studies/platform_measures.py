@@ -80,7 +80,7 @@ class Acquisition(NamedTuple):
     Attributes:
         time: Time since the start of the trace or of the fault [s]; infinite if never.
         worst: Largest error from then on [m]; infinite if never.
-        final: Error at the end [m].
+        final: Largest error at the end, over as long as a hand has to stay [m].
     """
 
     time: Array
@@ -118,7 +118,7 @@ def acquisition(
     return Acquisition(
         np.where(start >= 0, trace.t[start] - since, np.inf),
         np.where(start >= 0, after, np.inf),
-        error[-1],
+        error[-length:].max(axis=0),
     )
 
 

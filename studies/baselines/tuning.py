@@ -72,6 +72,7 @@ RANGES: dict[str, dict[str, Range | tuple[str, ...]]] = {
     "MIM": {
         "measure": ("arm", "whole", "bayle"),
         "feedback": Range(1.0, 8.0),
+        "integral": Range(0.01, 10.0),
         "climb": Range(0.01, 20.0),
         "drive": Range(0.1, 3.0),
         "turn": Range(0.1, 3.0),

@@ -68,6 +68,14 @@ def test_the_tables_of_the_maps_can_be_written(tmp_path: Path) -> None:
     assert as_json(Report("fault-map", "", found, (), 1.0, 1.0))
 
 
+def test_a_map_without_a_reachable_cell_misses_its_bar() -> None:
+    cells = single_locks(MID).part(slice(16, 24, 8))
+    found = Map(cells, outcome(cells, simulate(cells), (np.full(1, np.inf), np.ones(1, bool))))
+    rows = {row.what: row.met for row in map_rows(found, 0.95)}
+    assert rows[f"end within 3 mm, {cells.name}"] is False
+    assert rows[f"farthest in reverse, {cells.name}"] is None
+
+
 def test_each_miss_of_the_map_is_listed_with_its_reason() -> None:
     cells = pair_locks().part(slice(400, 404))
     none = np.zeros(4, dtype=bool)
