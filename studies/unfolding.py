@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Final
 
 import numpy as np
 
@@ -32,6 +33,8 @@ STEP = float(np.radians(5.0))
 """Largest turn of a joint in a step, with either method [rad]."""
 NEAR = 0.005
 """Distance to the goal at which a motion ends [m]."""
+LAW: Final = "even-line"
+"""Law of MSMA's joints: the line with an even part for all joints."""
 FOLDED = np.radians([90.0, -150.0, 145.0, -140.0, 135.0])
 STRETCHED = np.radians([70.0, 12.0, -10.0, 12.0, -8.0])
 FAR, CLOSE = np.array([0.75, 0.5]), np.array([0.3, 0.12])
@@ -51,7 +54,7 @@ class Unfold(Study[Found]):
     """From folded to stretched."""
 
     name = "unfold"
-    title = "Unfolding a five-joint arm with MSMA and with MD (figure 4)"
+    title = f"Unfolding a five-joint arm with MSMA ({LAW}) and with MD (figure 4)"
     start, goal, folding = FOLDED, FAR, False
 
     def measure(self, size: float, progress: Progress) -> Found:
@@ -135,7 +138,7 @@ class Fold(Unfold):
     """From stretched to folded."""
 
     name = "fold"
-    title = "Folding a five-joint arm with MSMA and with MD (figure 5)"
+    title = f"Folding a five-joint arm with MSMA ({LAW}) and with MD (figure 5)"
     start, goal, folding = STRETCHED, CLOSE, True
 
     def _claims(
@@ -189,7 +192,7 @@ def both(q: Array, goal: Array) -> list[tuple[Motion, Motion]]:
     agents: dict[str, Agent] = {
         f"joint/{i + 1}": JointAgent(
             Body(robot, i, PERIOD, i),
-            law="even-line",
+            law=LAW,
             perception="blackboard",
         )
         for i in range(robot.n)
