@@ -19,6 +19,31 @@ class CentralController(ABC):
         """Return the commands of all motors; percepts may have any leading batch dimensions."""
 
 
+class WithIntegral(CentralController):
+    """A central controller with an integral term, which removes a constant error.
+
+    The controller perceives the goal g shifted by what the hand e has missed so far, that is
+    g + Ki int (g - e) dt. With a gain K of the position error this adds K Ki int (g - e) dt.
+    """
+
+    def __init__(self, controller: CentralController, gain: float) -> None:
+        """Add an integral term of that gain Ki [1/s] to a controller."""
+        self._controller, self._gain = controller, gain
+        self._sum: Array = np.zeros(3)  # [m s]
+        self._t: float | None = None
+
+    def commands(self, percepts: Percepts) -> Commands:
+        """Return the controller's commands for the shifted goal."""
+        goal, hand = percepts.goal, percepts.hand
+        if goal is None or hand is None:
+            return self._controller.commands(percepts)
+        if self._t is not None:
+            self._sum = self._sum + (percepts.t - self._t) * (goal.at(percepts.t) - hand)
+        self._t = percepts.t
+        shifted = goal._replace(position=goal.position + self._gain * self._sum)
+        return self._controller.commands(percepts._replace(goal=shifted))
+
+
 class MotorAgent(Agent):
     """An agent that passes on the command of a central controller for one motor."""
 

@@ -5,9 +5,7 @@ state q = (platform x, y, heading, joints) moves as q' = S(q) u, where u = (spee
 speed, joint speeds); the hand moves as Jr u with the reduced Jacobian Jr = J S. The redundancy
 climbs the gradient of a manipulability w:
 
-    u = W [ (Jr W)^+ (x'd + K e + Ki int e dt)  +  k (I - (Jr W)^+ Jr W) W S^T grad w ]
-
-The integral is not in those papers (Ki = 0); it is for a comparison with what has one.
+    u = W [ (Jr W)^+ (x'd + K e)  +  k (I - (Jr W)^+ Jr W) W S^T grad w ]
 """
 
 from typing import Literal
@@ -35,7 +33,6 @@ class Mim(CentralController):
         *,
         measure: Measure = "arm",
         feedback: float = 4.0,
-        integral: float = 0.0,
         climb: float = 4.0,
         platform: tuple[float, float] = (0.3, 1.0),
         moving: tuple[int, ...] = (0, 1, 2),
@@ -47,7 +44,6 @@ class Mim(CentralController):
             measure: The measure w: `arm`, Yoshikawa's sqrt(det(Ja Ja^T)) of the arm; `whole`, the
                 same of Jr; `bayle`, minus Bayle's sqrt(1 - smin^2 / smax^2) of Jr.
             feedback: K, the gain of the position error [1/s].
-            integral: Ki, the gain of the integral of the position error [1/s2].
             climb: k, the gain of the gradient [units of u / unit of w].
             platform: Elements of W for the platform's forward and turning speed; joints have 1.
             moving: The controlled joints, from 0; the others rest.
@@ -55,9 +51,7 @@ class Mim(CentralController):
         self._kinematics = Kinematics(robot)
         self._robot = robot
         self._measure = measure
-        self._feedback, self._integral, self._climb = feedback, integral, climb
-        self._sum: Array = np.zeros(3)  # [m s]
-        self._t: float | None = None
+        self._feedback, self._climb = feedback, climb
         self._moving = np.array(moving)
         self._weights = np.concatenate([platform, np.ones(len(moving))])
 
@@ -68,10 +62,7 @@ class Mim(CentralController):
         assert base is not None
         assert goal is not None
         hand, reduced = self.reduced_jacobian(joints.position, base)
-        error = goal.at(percepts.t) - hand
-        self._sum = self._sum + error * (0.0 if self._t is None else percepts.t - self._t)
-        self._t = percepts.t
-        wanted = goal.velocity_at(percepts.t) + self._feedback * error + self._integral * self._sum
+        wanted = goal.velocity_at(percepts.t) + self._feedback * (goal.at(percepts.t) - hand)
         weighted = reduced * self._weights
         inverse = np.linalg.pinv(weighted)
         _, gradient = manipulability(

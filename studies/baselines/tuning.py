@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from studies.baselines.central import CentralController, as_agents
+from studies.baselines.central import CentralController, WithIntegral, as_agents
 from studies.baselines.mim import Mim
 from studies.lockstep import run
 from studies.mobile import ARPH, DURATION, PERIOD, plant, task
@@ -43,24 +43,23 @@ class Score(NamedTuple):
     roughness: float
 
 
-def mim(**values: Any) -> CentralController:
+def mim(integral: float, drive: float, turn: float, **values: Any) -> CentralController:
     """Return MIM, with the weights of driving and turning as two parameters."""
-    drive, turn = values.pop("drive"), values.pop("turn")
-    return Mim(ARPH, platform=(drive, turn), **values)
+    return WithIntegral(Mim(ARPH, platform=(drive, turn), **values), integral)
 
 
-def whole_body(**values: Any) -> CentralController:
+def whole_body(integral: float, **values: Any) -> CentralController:
     """Return the whole-body QP with pink."""
     from studies.baselines.whole_body_qp import WholeBody
 
-    return WholeBody(ARPH, **values)
+    return WithIntegral(WholeBody(ARPH, **values), integral)
 
 
-def holistic(**values: Any) -> CentralController:
+def holistic(integral: float, **values: Any) -> CentralController:
     """Return the holistic QP."""
     from studies.baselines.holistic_qp import Holistic
 
-    return Holistic(ARPH, ahead=1.0, **values)
+    return WithIntegral(Holistic(ARPH, ahead=1.0, **values), integral)
 
 
 MAKERS: dict[str, Callable[..., CentralController]] = {
@@ -68,19 +67,22 @@ MAKERS: dict[str, Callable[..., CentralController]] = {
     "pink": whole_body,
     "holistic": holistic,
 }
+INTEGRAL = Range(0.01, 2.0)
+"""Gain of the integral term [1/s]."""
 RANGES: dict[str, dict[str, Range | tuple[str, ...]]] = {
     "MIM": {
         "measure": ("arm", "whole", "bayle"),
         "feedback": Range(1.0, 8.0),
-        "integral": Range(0.01, 10.0),
         "climb": Range(0.01, 20.0),
         "drive": Range(0.1, 3.0),
         "turn": Range(0.1, 3.0),
+        "integral": INTEGRAL,
     },
     "pink": {
         "gain": Range(0.05, 0.5),
         "posture": Range(1e-5, 1e-1),
         "damping": Range(1e-8, 1e-3),
+        "integral": INTEGRAL,
     },
     "holistic": {
         "servo": Range(1.0, 8.0),
@@ -89,6 +91,7 @@ RANGES: dict[str, dict[str, Range | tuple[str, ...]]] = {
         "slack_cost": Range(0.1, 100.0),
         "climb": Range(1e-4, 1.0),
         "face": Range(1e-4, 1.0),
+        "integral": INTEGRAL,
     },
 }
 TUNED: dict[str, dict[str, Any]] = {

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -13,32 +14,33 @@ from studies.platform_measures import cusp_ticks
 
 
 def platform_paths(drives: Sequence[tuple[str, Trace]], file: Path) -> Path:
-    """Draw figure 8: path and heading of the platform with two controllers, with their cusps.
+    """Draw figure 8: path and heading of the platform with each controller, with their cusps.
 
     Args:
         drives: Name and trace of each.
         file: File to write.
     """
-    figure = page(10.0, 12.0)
+    figure = page(10.0, 4.0 * len(drives) + 4.0)
+    paths: list[Any] = [[name, name] for name, _ in drives]
     named = figure.subplot_mosaic(
-        [["first", "first"], ["second", "second"], ["angles", "speeds"]], height_ratios=(4, 4, 3)
+        [*paths, ["angles", "speeds"]], height_ratios=(*[4] * len(drives), 3)
     )
-    axes = list(named.values())
-    for axis, each in zip(axes, drives, strict=False):
-        _one_path(axis, *each)
-    colours = (BLUE, RED)
+    for name, trace in drives:
+        _one_path(named[name], name, trace)
+    angles, speeds = named["angles"], named["speeds"]
+    colours = (BLUE, RED, ORANGE)
     for (name, trace), colour, dash in zip(drives, colours, DASHES, strict=False):
-        axes[2].plot(trace.t, np.degrees(trace.base[:, 2]), dash, color=colour,
+        angles.plot(trace.t, np.degrees(trace.base[:, 2]), dash, color=colour,
                      label=f"heading, {name}")  # fmt: skip
-        axes[2].plot(trace.t, np.degrees(np.abs(trace.q[:, 2])), dash, color=colour, alpha=0.5,
+        angles.plot(trace.t, np.degrees(np.abs(trace.q[:, 2])), dash, color=colour, alpha=0.5,
                      linewidth=2.5, label=f"elbow, {name}")  # fmt: skip
-        axes[3].plot(trace.t, 100 * trace.base_velocity[:, 0], dash, color=colour,
+        speeds.plot(trace.t, 100 * trace.base_velocity[:, 0], dash, color=colour,
                      label=f"forward speed, {name}")  # fmt: skip
-    axes[2].axhline(70, color="#8C8C8C", linewidth=1, linestyle=":", label="70 deg (the paper)")
-    axes[2].set(xlabel="time [s]", ylabel="angle [deg]", title="heading, and elbow from straight")
-    axes[3].axhline(0, color="black", linewidth=0.8)
-    axes[3].set(xlabel="time [s]", ylabel="speed [cm/s]", title="negative: in reverse")
-    for axis in axes[2:]:
+    angles.axhline(70, color="#8C8C8C", linewidth=1, linestyle=":", label="70 deg (the paper)")
+    angles.set(xlabel="time [s]", ylabel="angle [deg]", title="heading, and elbow from straight")
+    speeds.axhline(0, color="black", linewidth=0.8)
+    speeds.set(xlabel="time [s]", ylabel="speed [cm/s]", title="negative: in reverse")
+    for axis in (angles, speeds):
         axis.legend(fontsize=8)
     return save(figure, file)
 
