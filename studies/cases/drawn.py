@@ -50,12 +50,9 @@ def drawn(seed: int, count: int = 16) -> Iterator[Kind]:
 
 
 def scaled(robot: Robot, size: float) -> Robot:
-    """Return a robot with all lengths multiplied by `size`; angles and speeds stay."""
-    drive = robot.drive
-    if drive is not None:
-        drive = replace(drive, track=drive.track * size, wheel_radius=drive.wheel_radius * size)
+    """Return a robot with all lengths of its arm multiplied by `size`; angles and speeds stay."""
     joints = tuple(replace(joint, origin=_moved(joint.origin, size)) for joint in robot.joints)
-    return replace(robot, joints=joints, tip=_moved(robot.tip, size), drive=drive, visuals=())
+    return replace(robot, joints=joints, tip=_moved(robot.tip, size), visuals=())
 
 
 def redriven(robot: Robot, linear: float, angular: float) -> Robot:
