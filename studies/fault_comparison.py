@@ -1,6 +1,7 @@
 """MSMA beside controllers that know nothing of faults either: MIM and two QPs."""
 
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -9,7 +10,7 @@ import numpy as np
 from agents.agent import Agent
 from plant.errors import MsmaError
 from studies.baselines.central import as_agents
-from studies.baselines.tuning import TUNED, tuned
+from studies.baselines.tuning import TRIALS, TUNED, tuned
 from studies.fault_cells import (
     MID,
     Cells,
@@ -21,6 +22,7 @@ from studies.fault_cells import (
     simulate,
     single_locks,
 )
+from studies.goal_runs import GoalRuns, run_paths
 from studies.lockstep import Trace, run
 from studies.mobile import ARPH, DURATION, PERIOD, msma, plant, task
 from studies.motion_measures import spectral_arc_length
@@ -59,10 +61,18 @@ class Nominal(NamedTuple):
 
 
 class ControllerResults(NamedTuple):
-    """Results of one controller, without faults and for each map of faults."""
+    """Results of one controller.
+
+    Attributes:
+        name: Its name.
+        nominal: Its run of the paper's task without faults.
+        paths: Its runs of straight paths in 26 directions, without faults.
+        outcomes: Its results on each map of faults.
+    """
 
     name: str
     nominal: Nominal
+    paths: GoalRuns
     outcomes: tuple[Outcome, ...]
 
     def survived(self) -> tuple[int, int, int]:
@@ -108,7 +118,8 @@ class FaultComparison(Study[ComparisonFound]):
                 outcome(cells, simulate(cells, agents=agents(name)), answer)
                 for cells, answer in zip(maps, possible, strict=True)
             )
-            tried.append(ControllerResults(name, nominal(name), outcomes))
+            paths = run_paths(partial(agents, name))
+            tried.append(ControllerResults(name, nominal(name), paths, outcomes))
         return ComparisonFound(
             rows=_rows(tried, maps),
             claims=(
@@ -123,9 +134,9 @@ class FaultComparison(Study[ComparisonFound]):
             ),
             notes=(
                 "No controller is told of a fault; all of them know all encoders, the platform and "
-                "the goal with its velocity, and close their loop over the hand. Parameters are "
-                "the best of 120 random choices on the task without faults (`python -m "
-                "studies.baselines.tuning`): "
+                "the goal with its velocity, close their loop over the hand, and have an integral "
+                f"term. Parameters are the best of {TRIALS} random choices on the task without "
+                "faults (`python -m studies.baselines.tuning`): "
                 + "; ".join(f"{name}: {values}" for name, values in TUNED.items()),
                 _better(tried),
             ),
@@ -200,6 +211,12 @@ def _rows(tried: list[ControllerResults], maps: tuple[Cells, ...]) -> tuple[Row,
                         f"{1e3 * n.error[1]:.2f} mm; platform: roughness {n.roughness:.3f} m/s3, "
                         f"SPARC {n.sparc:.2f}, {n.reversal:.2f} m in reverse, "
                         f"{n.cusps} cusps"))  # fmt: skip
+    for each in tried:
+        p = each.paths
+        rows.append(Row(f"26 paths without faults, {each.name}", "",
+                        f"end within 3 mm in {share(p.success.sum(), p.success.size)}; in reverse "
+                        f"at some time: {int((p.reversed > 0.005).sum())}; elbow below 15 deg at "
+                        f"some time: {int((p.stretched > 0).sum())}"))  # fmt: skip
     return tuple(rows)
 
 
@@ -221,6 +238,10 @@ def _better(tried: list[ControllerResults]) -> str:
             better.append("smoothness of the platform's path")
         if each.survived()[0] >= ours.survived()[0]:
             better.append("faults survived")
+        if each.paths.success.sum() > ours.paths.success.sum():
+            better.append("paths in 26 directions")
+        if (each.paths.stretched > 0).sum() < (ours.paths.stretched > 0).sum():
+            better.append("paths with the elbow off straight")
         looser = [loose for loose in LOOSER if near(each, loose) > near(ours, loose)]
         if looser:
             better.append(

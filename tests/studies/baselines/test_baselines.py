@@ -1,8 +1,9 @@
 import numpy as np
 import pytest
 
-from agents.agent import Joints, Percepts
-from studies.baselines.central import as_agents
+from agents.agent import Goal, Joints, Percepts
+from plant.plant import Commands
+from studies.baselines.central import CentralController, WithIntegral, as_agents
 from studies.baselines.tuning import MAKERS, RANGES, TUNED, draw, score, tuned
 from studies.batch_faults import BatchFaults
 from studies.lockstep import run
@@ -30,6 +31,27 @@ def test_a_baseline_moves_the_hand_as_the_goal_moves(name: str) -> None:
     trace = run(plant(), as_agents(tuned(name), ARPH), task().piece, 1.2)
     velocity = (trace.hand[-1] - trace.hand[-6]) / (5 * PERIOD)
     np.testing.assert_allclose(velocity, [0.0, -0.07, 0.02], atol=0.004)
+
+
+class _Leaky(CentralController):
+    """A feedback of the position error that a constant disturbance keeps off the goal."""
+
+    def commands(self, percepts: Percepts) -> Commands:
+        assert percepts.goal is not None
+        assert percepts.hand is not None
+        error = percepts.goal.at(percepts.t) - percepts.hand
+        return Commands(2.0 * error + 0.1, np.zeros(2))
+
+
+@pytest.mark.parametrize(("gain", "left"), [(0.0, 0.05), (1.0, 0.0)])
+def test_an_integral_removes_a_constant_error(gain: float, left: float) -> None:
+    controller = WithIntegral(_Leaky(), gain)
+    goal = Goal(np.ones(3), np.zeros(3), 0.0, 100.0)
+    hand = np.zeros(3)
+    for tick in range(400):
+        now = Percepts(0.05 * tick, hand, goal=goal)
+        hand = hand + 0.05 * np.asarray(controller.commands(now).joints)
+    np.testing.assert_allclose(hand - 1.0, left, atol=1e-4)
 
 
 @pytest.mark.parametrize("name", QPS)
