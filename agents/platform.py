@@ -25,9 +25,10 @@ STILL = 0.003
 ALONE = 8.0
 """[] Power of the share of the hand's level motion that follows from its rise. Chosen: a high
 power is a soft threshold near 1, below which the motion is the arm's own; 4 makes no difference."""
-TOP = 0.985
-"""[] Share of the height of a joint's circle above which that joint does not lift the hand.
-Derived: 10 deg from the top, where the level motion per height is over 5."""
+TOP = 0.9
+"""[] Share of the height of a joint's circle, above which the hand is expected to go on along the
+tangent. Trade-off: nearer to the top the hand's foreseen way bends sharply, and plans change with
+how far ahead that is."""
 CORNER = 0.2
 """[rad] Change of the goal's course between two plans that is a corner, not a bend. Derived: a
 bend of that rate would turn by half a turn a second."""
@@ -62,7 +63,7 @@ class Memory(NamedTuple):
     t: float
     hand: Array
     going: Places
-    bend: Array
+    bends: tuple[Array, Array]
     moved: Array
     lasting: Places
     ease: Places
@@ -128,6 +129,7 @@ class PlatformAgent(Agent):
         self._planner = Planner(self._top, change, self._length)
         self._unit, self._period = self._planner.unit, body.period
         self.rest = REST * PLANS * self._planner.unit
+        self._stops = np.stack([body.robot.lower, body.robot.upper])
         self._reach, self._bearing = reach * self._length, bearing
         self._memory: Memory | None = None
         self._own: Own | None = None
@@ -196,13 +198,12 @@ class PlatformAgent(Agent):
         )
         zero = np.zeros(held.shape)
         if old is None:
-            old = Memory(t, hand, going, zero, np.zeros(1), zero, zero, None, None, zero)  # type: ignore[arg-type]
-        end, share = self._planner.end, self._share(elapsed)
+            old = Memory(t, hand, going, (zero, zero), np.zeros(1), zero, zero, None, None, zero)  # type: ignore[arg-type]
+        end, share = self._planner.times, self._share(elapsed)
         # the goal goes on, on a circle if its way has bent
         bent = np.angle(going * np.conj(old.going))
-        bend = old.bend + self._share(elapsed, 1.0) * (bent / elapsed - old.bend)
-        bend = np.where((np.abs(bent) < CORNER) & (going != 0), bend, 0.0)
-        angle = 1j * bend[..., None] * end
+        bends = self._bent(elapsed, old.bends, bent, (np.abs(bent) < CORNER) & (going != 0))
+        angle = 1j * bends[1][..., None] * end
         arc = np.where(angle == 0, 1.0, np.expm1(angle) / np.where(angle == 0, 1.0, angle))
         goal_then = target[..., None] + (going * turn)[..., None] * end * arc
         # the arm lifts the hand as it has of late; the rest of its own motion fades
@@ -218,7 +219,8 @@ class PlatformAgent(Agent):
                 fresh - old.moved
             )
             still = STILL * self._top[0]
-            shift, slope = lifted(view.arm, moved, height, still)
+            room = self._stops - percepts.joints.position[..., None, :]
+            shift, slope = lifted(view.arm, moved, height, room, still)
             known = np.asarray(view.modelled, dtype=float) * turn
             hand_then = hand_then + known[..., None] * shift
             arm_drift = arm_drift - known * slope * drift[..., 2]
@@ -237,8 +239,20 @@ class PlatformAgent(Agent):
         wanted = goal_then + (lasting * turn + ease)[..., None]
         now = np.clip(own.speed, [0.0, -1.0], 1.0)
         before = None if old.plan is None else self._planner.later(old.plan, elapsed)
-        plan, left = self._planner.plan(Course(wanted, hand_then, now, able), before)
-        return Memory(t, hand, going, bend, moved, lasting, ease, plan, now, left)
+        plan, missed = self._planner.plan(Course(wanted, hand_then, now, able), before)
+        left = missed[..., self._planner.end >= fades].max(axis=-1)
+        return Memory(t, hand, going, bends, moved, lasting, ease, plan, now, left)
+
+    def _bent(
+        self, elapsed: float, old: tuple[Array, Array], bent: Array, round_way: Array
+    ) -> tuple[Array, Array]:
+        """Return how fast the goal's way turns (...) [rad/s], smoothed once and twice.
+
+        Twice, for a round way may come in chords, and then turns by jerks.
+        """
+        share = self._share(elapsed)
+        once = np.where(round_way, old[0] + share * (bent / elapsed - old[0]), 0.0)
+        return once, np.where(round_way, old[1] + share * (once - old[1]), 0.0)
 
     def _comfort(self, held: Places, height: Array) -> Places:
         """Return by what (...) [m] to carry the hand past its goal: the arm then gives way.
@@ -257,13 +271,17 @@ class PlatformAgent(Agent):
         return shift
 
 
-def lifted(arm: ArmPose, moved: Array, height: Array, still: float) -> tuple[Places, Places]:
+def lifted(
+    arm: ArmPose, moved: Array, height: Array, room: Array, still: float
+) -> tuple[Places, Places]:
     """Return how far the hand goes on the level (..., M) [m] as it comes to heights (..., M) [m].
 
-    Each joint lifts the hand on its own circle; the circles are averaged by how much of its rise
-    is whose, as the joints have moved of late (`moved` (..., n) [rad2/s2], `still` [m/s]). This
-    holds as far as the level motion follows from the rise, as it does where but one joint moves.
-    Second is the slope (...) [m/m] now.
+    Each joint lifts the hand on its own circle, on the side where the hand is now, or on the
+    other if only that is within the joint's stops, `room` (..., 2, n) [rad] away; near the
+    circle's top the hand goes on along the tangent. The circles are averaged by how much of its
+    rise is whose, as the joints have moved of late (`moved` (..., n) [rad2/s2], `still` [m/s]).
+    This holds as far as the level motion follows from the rise, as it does where but one joint
+    moves. Second is the slope (...) [m/m] now.
     """
     way = np.cross(arm.axes, arm.tip[..., None, :] - arm.points)  # (..., n, 3) [m/rad]
     level, rises = _flat(way), way[..., 2]
@@ -277,8 +295,18 @@ def lifted(arm: ArmPose, moved: Array, height: Array, still: float) -> tuple[Pla
     size = np.maximum(np.hypot(inward[..., 2], rises), 1e-9)[..., None]
     phase = np.arctan2(rises, inward[..., 2])[..., None]
     up = height[..., None, :] - (arm.tip[..., 2, None] - inward[..., 2])[..., None]
-    angle = phase - np.where(phase > 0, 1.0, -1.0) * np.arccos(np.clip(up / size, -TOP, TOP))
-    shift = _flat(inward)[..., None] * (np.cos(angle) - 1) + level[..., None] * np.sin(angle)
+    up = up / size
+    most = np.clip(np.abs(inward[..., 2, None]) / size, TOP, (1 + TOP) / 2)
+    within = np.clip(up, -most, most)
+    off = np.where(phase > 0, 1.0, -1.0) * np.arccos(within)
+    near, far = phase - off, np.angle(np.exp(1j * (phase + off)))
+    low, high = room[..., 0, :, None], room[..., 1, :, None]
+    other = (low <= far) & (far <= high) & ((near < low) | (near > high))
+    angle = np.where(other, far, near)
+    centre, begin = _flat(inward)[..., None], level[..., None]
+    cosine, sine = np.cos(angle), np.sin(angle)
+    tangent = (begin * cosine - centre * sine) / np.sin(phase - angle)
+    shift = centre * (cosine - 1) + begin * sine + tangent * (up - within)
     mean = ((lifts / rise[..., None])[..., None] * shift).sum(axis=-2)
     return follows[..., None] * mean, follows * together / rise
 

@@ -6,11 +6,14 @@ a speed ahead v and one of turning w for each of M intervals, as shares of the d
 Of a hand held at h, with a goal at g and the platform at p, heading e^ia, what is missing is
 r_j = g_j - p_j - e^ia_j h_j at the end of interval j. The cost is
 
-    sum_j T_j rho(r_j) + (rest from there) + (what moving and changing speed count),
+    sum_j T_j rho(r_j) + T rho(2 q) + (rest from there) + (what moving and changing speed count),
+    q = r_M - a (e^i psi - e^i psi_M),
     rho(r) = d^2 / P ((1 + |r|^2 / d^2)^P - 1)
 
 so that small errors count by their square and large ones by a root: a detour, however wide, is
-better than an error for good. Lengths are shares of the arm's reach L, times of L / v_max.
+better than an error for good. The term in q is for hands behind the axle (`Planner._tail`): a plan
+is to end with the heading psi with which such a hand, a ahead of the axle, stays over the goal.
+Lengths are shares of the arm's reach L, times of L / v_max.
 """
 
 from typing import NamedTuple
@@ -51,6 +54,12 @@ find no better plans."""
 BETTER = 0.9
 """[] Share of the present plan's cost that another one needs to replace it. Chosen:
 hysteresis against changing sides at every plan; 0.97 makes no difference."""
+BEYOND = 6
+"""[] Growing intervals after the plan's end, in which only the heading that tows is worked out.
+Chosen: they reach to 90 s with ARPH; 3 do nearly as well."""
+OBLIQUE = 0.8
+"""[] Sine of the most that a platform heads off where the goal goes, to make up for the hand's own
+motion to the side. Chosen: at 1 the hand would drift as fast as the goal goes."""
 STEPS = 0.0, 1.0, 0.4, 0.1
 """[] Shares of a Gauss-Newton step that the line search tries. Standard: a full step, and
 backtracking by less than a half."""
@@ -60,8 +69,8 @@ class Course(NamedTuple):
     """What is expected at the ends of the intervals, for one platform or many.
 
     Attributes:
-        goal: (..., M) where the goal is [m].
-        hand: (..., M) where the arm holds the hand, as seen from the platform [m].
+        goal: (..., M + BEYOND) where the goal is [m], at the ends and on.
+        hand: (..., M + BEYOND) where the arm holds the hand, as seen from the platform [m].
         now: (..., 2) present speeds, as shares of the tops.
         able: (..., 2) shares of the tops that the drive makes.
     """
@@ -70,6 +79,20 @@ class Course(NamedTuple):
     hand: Places
     now: Array
     able: Array
+
+
+class Tail(NamedTuple):
+    """What is to be at the plan's end for a hand behind the axle to stay over its goal.
+
+    Attributes:
+        ahead: (..., 1) a, how far ahead of the axle the hand is [m].
+        heading: (..., 1) where the platform is to head, as e^i psi.
+        weight: (..., 1) T = 1 / (2 z), how long what is off there lasts [s].
+    """
+
+    ahead: Array
+    heading: Places
+    weight: Array
 
 
 class Planner:
@@ -86,7 +109,8 @@ class Planner:
         self.top, self.reach, self.unit = top, reach, reach / float(top[0])
         self._change = acceleration / top
         self.length = FIRST * self.unit * GROWTH ** np.arange(INTERVALS)  # [s] of the intervals
-        self.end = np.cumsum(self.length)
+        self.times = np.cumsum(FIRST * self.unit * GROWTH ** np.arange(INTERVALS + BEYOND))
+        self.end = self.times[:INTERVALS]
         self._small = SMALL * reach
         self._most_ahead, self._most_turn = self.length * top[:, None]  # [m], [rad] in each
         late = FIRST * self.unit / self.length  # of each mean speed that is still the one before
@@ -101,12 +125,12 @@ class Planner:
         self._final = np.exp(2j * np.pi * np.arange(SEEDS) / SEEDS)
 
     def plan(self, course: Course, before: Array | None) -> tuple[Array, Array]:
-        """Return a plan (..., M, 2), and the error (...) [m] that it leaves.
+        """Return a plan (..., M, 2), and the errors (..., M) [m] expected with it.
 
         The better of two after a Gauss-Newton step each: what is left of the plan made last
         (`before`), and the best of those that stop, go on, or turn, drive and turn.
         """
-        held = np.broadcast_to(course.now[..., None, :], (*course.goal.shape, 2))
+        held = np.broadcast_to(course.now[..., None, :], (*course.goal.shape[:-1], INTERVALS, 2))
         least, most = self._bounds(course)
         others = np.stack([np.zeros_like(held), held], axis=-3)
         others = np.clip(np.concatenate([others, self._seeds(course)], axis=-3), least, most)
@@ -123,7 +147,7 @@ class Planner:
         takes = costs[..., 1] < BETTER * costs[..., 0]
         plan = np.where(takes[..., None, None], both[..., 1, :, :], both[..., 0, :, :])
         *_, missing = self._moved(course, plan[..., None, :, :])
-        return plan, np.abs(missing[..., 0, -1])
+        return plan, np.abs(missing[..., 0, :])
 
     def later(self, plan: Array, elapsed: float) -> Array:
         """Return what is left of plans (..., M, 2), `elapsed` [s] later; their end lasts."""
@@ -141,8 +165,41 @@ class Planner:
         most: Array = np.clip(now + change, floor, able)
         return least, most
 
-    def _moved(self, course: Course, plan: Array) -> tuple[Places, Places, Places]:
-        """Return headings in mid-interval, places there, and what is missing: (..., C, M)."""
+    def _tail(self, course: Course) -> Tail:
+        """Return what is to be at the plan's end.
+
+        A hand at h = a + i b, with a < 0, keeps to a goal that goes at V to phi while
+        V sin(phi - psi) = w a + b'. This is unstable at z = V / |a| (it has a zero there), so
+        psi is its bounded solution: backwards, from beyond the end, it follows
+        phi - asin(b' / V) with the time constant 1 / z (Devasia, Chen and Paden 1996,
+        "Nonlinear inversion-based output tracking"). Where it is off by y to the side at the
+        axle, an error of 2 y e^-zt brings it back with the least squares, so that the rest of
+        the cost is rho(2 y) / (2 z); slower than the horizon H, it need not be brought back:
+        1 / z becomes V |a| / (V^2 + a^2 / H^2).
+        """
+        last = INTERVALS - 1
+        step = np.diff(self.times[last:])
+        going = np.diff(course.goal[..., last:], axis=-1) / step
+        drift = np.diff(course.hand[..., last:], axis=-1).imag / step
+        speed = np.maximum(np.abs(going), 1e-9)
+        sine = np.clip(drift / speed, -OBLIQUE, OBLIQUE)
+        steady = going / speed * (np.sqrt(1 - sine**2) - 1j * sine)
+        behind = np.maximum(-course.hand.real, 0.0)
+        kept = np.exp(-speed * step / np.maximum(behind[..., INTERVALS:], 1e-9))
+        heading = steady[..., -1]
+        for k in range(BEYOND - 1, -1, -1):
+            heading = kept[..., k] * heading + (1 - kept[..., k]) * steady[..., k]
+        heading = heading / np.maximum(np.abs(heading), 1e-9)
+        speed, behind = speed[..., 0], behind[..., last]
+        weight = speed * behind / (speed**2 + (behind / self.end[-1]) ** 2) / 2
+        ahead = course.hand[..., last].real
+        return Tail(ahead[..., None], heading[..., None], weight[..., None])
+
+    def _moved(self, course: Course, plan: Array) -> tuple[Places, Places, Places, Places]:
+        """Return the last headings (..., C), and for each interval what is missing at its end.
+
+        Between them the headings and places in mid-interval, all (..., C, M).
+        """
         speed = self._mix @ plan
         speed[..., 0, :] += course.now[..., None, :]
         turn = speed[..., 1] * self._most_turn
@@ -150,8 +207,9 @@ class Planner:
         middle = np.exp(1j * (angle - 0.5 * turn))
         way = speed[..., 0] * self._most_ahead * np.sinc(turn / (2 * np.pi)) * middle
         place = np.cumsum(way, axis=-1)
-        hand = place + np.exp(1j * angle) * course.hand[..., None, :]
-        return middle, place - 0.5 * way, course.goal[..., None, :] - hand
+        hand = place + np.exp(1j * angle) * course.hand[..., None, :INTERVALS]
+        last = np.exp(1j * angle[..., -1])
+        return last, middle, place - 0.5 * way, course.goal[..., None, :INTERVALS] - hand
 
     def _rho(self, missing: Array) -> Array:
         size: Array = self._small**2 / POWER * ((1 + (missing / self._small) ** 2) ** POWER - 1)
@@ -159,16 +217,18 @@ class Planner:
 
     def _cost(self, course: Course, plan: Array) -> Array:
         """Return the cost (..., C) [m2 s] of plans (..., C, M, 2)."""
-        *_, missing = self._moved(course, plan)
+        heading, _, _, missing = self._moved(course, plan)
         far = np.abs(missing)
         rho, last = self._rho(far), far[..., -1]
-        time, turns = self._to_go(course, plan, missing[..., -1])
-        swing = np.abs(course.hand[..., None, -1]) * np.minimum(turns, np.pi) / 2
+        time, turns = self._to_go(course, heading, missing[..., -1])
+        tail = self._tail(course)
+        beside = self._rho(np.abs(_beside(tail, heading, missing)))
+        swing = np.abs(course.hand[..., None, INTERVALS - 1]) * np.minimum(turns, np.pi) / 2
         swing = self._rho(swing) * last**2 / (last**2 + 4 * (TRIFLE * self.reach) ** 2)
         rest = rho[..., -1] * (END * self.unit + time / 2) + swing * turns / self.top[1]
         change = self._changed(course, plan)
         moves = (change**2 + self._turning * plan**2).sum(axis=(-1, -2))
-        cost: Array = rho @ self.length + rest + moves
+        cost: Array = rho @ self.length + rest + tail.weight * beside + moves
         return cost
 
     def _changed(self, course: Course, plan: Array) -> Array:
@@ -176,15 +236,13 @@ class Planner:
         change[..., 0, :] -= self._first * course.now[..., None, :]
         return change
 
-    def _to_go(self, course: Course, plan: Array, missing: Places) -> tuple[Array, Array]:
+    def _to_go(self, course: Course, heading: Places, missing: Places) -> tuple[Array, Array]:
         """Return the least time (..., C) [s] to turn, drive and turn to the goal, and the turns.
 
         From where plans end, with the hand's place `missing` (..., C) [m] the goal's.
         """
-        angle = (self._mix @ plan)[..., 1] @ self._most_turn
-        angle = angle + course.now[..., None, 1] * self._most_turn[0]
-        hand = course.hand[..., None, -1]
-        way = (missing * np.exp(-1j * angle) + hand)[..., None] - self._final * hand[..., None]
+        hand = course.hand[..., None, INTERVALS - 1]
+        way = (missing * np.conj(heading) + hand)[..., None] - self._final * hand[..., None]
         turns = np.abs(np.angle(way)) + np.abs(np.angle(self._final * np.conj(way)))
         time = np.abs(way) / self.top[0] + turns / self.top[1]
         best = time.argmin(axis=-1)[..., None]
@@ -199,14 +257,22 @@ class Planner:
         The hand turns about where the platform is in mid-interval, so that
         dh_j / dv_k = T_k e^ia_k and dh_j / dw_k = i T_k (h_j - p_k) for k up to j.
         """
-        middle, pivot, missing = self._moved(course, plan)
-        hand = course.goal[..., None, :] - missing
+        heading, middle, pivot, missing = self._moved(course, plan)
+        hand = course.goal[..., None, :INTERVALS] - missing
         until = np.tri(INTERVALS)
         ahead = (until * (middle * self._most_ahead)[..., None, :]) @ self._mix
         around = 1j * (hand[..., :, None] - pivot[..., None, :]) * self._most_turn
         ways = np.concatenate([ahead, (until * around) @ self._mix], axis=-1)
         weight = np.broadcast_to(self.length, missing.shape).copy()
-        weight[..., -1] += END * self.unit + self._to_go(course, plan, missing[..., -1])[0] / 2
+        weight[..., -1] += END * self.unit + self._to_go(course, heading, missing[..., -1])[0] / 2
+        tail = self._tail(course)
+        aside = 2 * ways[..., -1:, :]
+        spin = 2j * (tail.ahead * heading)[..., None, None] * (self._most_turn @ self._mix)
+        aside[..., INTERVALS:] -= spin
+        ways = np.concatenate([ways, aside], axis=-2)
+        lasts = np.broadcast_to(tail.weight, heading.shape)[..., None]
+        weight = np.concatenate([weight, lasts], axis=-1)
+        missing = np.concatenate([missing, _beside(tail, heading, missing)[..., None]], axis=-1)
         root = np.sqrt(weight * (1 + np.abs(missing / self._small) ** 2) ** (POWER - 1))
         slope = np.concatenate([ways.real, ways.imag], axis=-2) * np.tile(root, 2)[..., None]
         error = np.concatenate([missing.real * root, missing.imag * root], axis=-1)
@@ -243,6 +309,12 @@ class Planner:
         share = np.maximum(np.minimum(self.end, ends[..., None]) - begins, 0.0) / self.length
         first, second = (np.sign(turn)[..., None] for turn in turns)
         return np.stack([share[1], first * share[0] + second * share[2]], axis=-1)
+
+
+def _beside(tail: Tail, heading: Places, missing: Places) -> Places:
+    """Twice what is missing at the axle (..., C) [m] at the plan's end, beside the hand."""
+    beside: Places = 2 * (missing[..., -1] + tail.ahead * (heading - tail.heading))
+    return beside
 
 
 def _flat(plan: Array) -> Array:

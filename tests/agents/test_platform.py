@@ -84,6 +84,9 @@ def test_a_platform_agent_needs_a_platform(body):
         PlatformAgent(body(2))
 
 
+ROOM = np.array([[-3.0] * 6, [3.0] * 6])
+
+
 @pytest.mark.parametrize("joint", [1, 2])
 def test_a_hand_that_one_joint_lifts_is_expected_on_its_circle(arph, joint):
     kinematics = kinematics_of(arph)
@@ -93,12 +96,25 @@ def test_a_hand_that_one_joint_lifts_is_expected_on_its_circle(arph, joint):
     moved[joint] = 0.1**2
     q[joint] += 0.2
     then = kinematics.forward(q, np.zeros(3)).tip
-    shift, _ = lifted(arm, moved, np.array([then[2]]), 1e-6)
+    shift, _ = lifted(arm, moved, np.array([then[2]]), ROOM, 1e-6)
     way = then - arm.tip
     np.testing.assert_allclose([shift[0].real, shift[0].imag], way[:2], atol=1e-4)
 
 
 def test_a_hand_that_nothing_lifts_is_expected_where_it_is(arph):
     arm = kinematics_of(arph).forward(np.array(START), np.zeros(3))
-    shift, slope = lifted(arm, np.zeros(6), np.array([1.2]), 1e-3)
+    shift, slope = lifted(arm, np.zeros(6), np.array([1.2]), ROOM, 1e-3)
     assert shift[0] == slope == 0
+
+
+def test_a_hand_is_expected_on_the_side_where_its_joint_may_turn(arph):
+    kinematics = kinematics_of(arph)
+    q = np.array(START)
+    arm = kinematics.forward(q, np.zeros(3))
+    moved, height = np.zeros(6), np.array([arm.tip[2] - 0.2])
+    moved[2] = 0.1**2
+    ahead, back = ROOM.copy(), ROOM.copy()
+    ahead[0, 2], back[1, 2] = -0.02, 0.02
+    free, *blocked = (abs(lifted(arm, moved, height, r, 1e-6)[0][0]) for r in (ROOM, ahead, back))
+    assert free in blocked
+    assert max(abs(one - free) for one in blocked) > 0.1

@@ -3,28 +3,29 @@
 import numpy as np
 import pytest
 
-from agents.steering import INTERVALS, Course, Planner
+from agents.steering import BEYOND, INTERVALS, Course, Planner
 
 PLANNER = Planner(np.array([0.3, 0.8]), np.array([0.5, 2.0]), 1.0)
 
 
-def course(goal, hand, now=(0.0, 0.0)):
-    whole = np.ones(INTERVALS)
-    return Course(goal * whole, hand * whole, np.array(now), np.ones(2))
+def course(goal, hand, now=(0.0, 0.0), going=0.0):
+    whole = np.ones(INTERVALS + BEYOND)
+    return Course(goal + going * PLANNER.times, hand * whole, np.array(now), np.ones(2))
 
 
-def followed(goal, hand, plans=60, period=0.1):
+def followed(goal, hand, plans=60, period=0.1, going=0.0):
     """Drive as planned, planning anew all the time; return the error left [m]."""
     place, heading, plan, now = 0j, 0.0, None, np.zeros(2)
     for _ in range(plans):
         turn = np.exp(-1j * heading)
         before = None if plan is None else PLANNER.later(plan, period)
-        plan, _ = PLANNER.plan(course((goal - place) * turn, hand, now), before)
+        plan, _ = PLANNER.plan(course((goal - place) * turn, hand, now, going * turn), before)
         assert (plan[:, 0] >= 0).all()
         assert (np.abs(plan) <= 1 + 1e-12).all()
         now = plan[0]
         place += now[0] * 0.3 * period * np.exp(1j * (heading + 0.4 * now[1] * period))
         heading += now[1] * 0.8 * period
+        goal += going * period
     return abs(goal - place - np.exp(1j * heading) * hand)
 
 
@@ -34,10 +35,23 @@ def test_a_hand_held_anywhere_comes_to_a_goal_anywhere(goal, hand):
     assert followed(goal, hand, plans=250) < 0.01
 
 
+@pytest.mark.parametrize("hand", [-0.3 + 0.5j, -0.5 + 0.1j, -0.6 - 0.4j])
+@pytest.mark.parametrize("going", [0.07, 0.07j, -0.04])
+def test_a_hand_behind_the_axle_keeps_to_a_goal_that_goes(hand, going):
+    assert followed(hand + 0.2j, hand, plans=300, going=going) < 0.005
+
+
+def test_a_plan_ends_with_the_heading_with_which_a_hand_behind_the_axle_stays():
+    tail = PLANNER._tail(course(0.5, -0.5 + 0.2j, going=0.07j))
+    np.testing.assert_allclose(tail.heading, [1j], atol=1e-12)
+    assert tail.weight > 0
+    assert PLANNER._tail(course(0.5, 0.5 + 0.2j, going=0.07j)).weight == 0
+
+
 def test_a_hand_at_its_goal_stays():
     plan, left = PLANNER.plan(course(0.3 + 0.1j, 0.3 + 0.1j), None)
     np.testing.assert_allclose(plan, 0.0, atol=1e-6)
-    assert left < 1e-6
+    assert left.max() < 1e-6
 
 
 def test_what_is_left_of_a_steady_plan_is_the_same():
