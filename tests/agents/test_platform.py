@@ -111,7 +111,7 @@ def test_a_hand_is_expected_on_the_side_where_its_joint_may_turn(arph):
     kinematics = kinematics_of(arph)
     q = np.array(START)
     arm = kinematics.forward(q, np.zeros(3))
-    moved, height = np.zeros(6), np.array([arm.tip[2] - 0.2])
+    moved, height = np.zeros(6), np.array([arm.tip[2] + 0.2])
     moved[2] = 0.1**2
     ahead, back = ROOM.copy(), ROOM.copy()
     ahead[0, 2], back[1, 2] = -0.02, 0.02
