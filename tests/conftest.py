@@ -1,9 +1,13 @@
 """Settings of all tests: how many run at once, and how property tests judge time."""
 
 import os
+import time
+from collections.abc import Generator
 
 import pytest
 from hypothesis import HealthCheck, settings
+
+from tests.ports import reserve
 
 # How long an example takes says nothing on a machine that has other work too.
 settings.register_profile("tests", deadline=None, suppress_health_check=[HealthCheck.too_slow])
@@ -18,3 +22,21 @@ def pytest_xdist_auto_num_workers() -> int:
     single core, for the same reason, and no more than eight, since the longest test sets the time.
     """
     return min(max(2 * len(os.sched_getaffinity(0)), 4), 8)
+
+
+@pytest.hookimpl(wrapper=True, tryfirst=True)  # so that no timeout counts the time of waiting
+def pytest_runtest_protocol() -> Generator[None, object, object]:
+    """Run no more tests at once on this machine than there are workers, whoever has started them.
+
+    Robots run in real time. If several people test at once, each test takes its turn, or there
+    would be too many robots for the processors.
+    """
+    while not (turn := next(filter(None, map(reserve, _TURNS)), None)):
+        time.sleep(0.05)
+    try:
+        return (yield)
+    finally:
+        turn.close()
+
+
+_TURNS = tuple(f"turn-{number}" for number in range(pytest_xdist_auto_num_workers()))

@@ -7,15 +7,15 @@ from runtime.spawning.ports import is_taken
 from runtime.wire.mesh import ALL_BASES, SLOTS
 
 
-def reserve(base: int) -> socket.socket | None:
-    """Reserve the block of ports that begins with `base`, or return None if a test has it.
+def reserve(what: object) -> socket.socket | None:
+    """Reserve the block of ports that begins with `what`, or anything else; None if a test has it.
 
-    The reservation is a name in the kernel and takes none of the ports. It ends when the socket
-    is closed, at the latest with this process.
+    The reservation is a name in the kernel, the same for all users, and takes none of the ports.
+    It ends when the socket is closed, at the latest with this process.
     """
     reservation = socket.socket(socket.AF_UNIX)
     try:
-        reservation.bind(f"\0msma-tests-{base}")
+        reservation.bind(f"\0msma-tests-{what}")
     except OSError:
         reservation.close()
         return None
