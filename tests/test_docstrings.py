@@ -102,15 +102,25 @@ def classes(file: Path) -> Iterator[ast.ClassDef]:
     )
 
 
-CLASSES = {node.name: node for file in [*AGENTS, *FILES] for node in classes(file)}
+def folder(file: Path) -> str:
+    return file.relative_to(ROOT).parts[0]
 
 
-def method_docstrings(node: ast.ClassDef) -> dict[str, str | None]:
+CLASSES = {
+    (where, node.name): (folder(file), node)
+    for file in [*AGENTS, *FILES]
+    for node in classes(file)
+    for where in ("anywhere", folder(file))  # of classes of one name the nearest is meant
+}
+
+
+def method_docstrings(node: ast.ClassDef, where: str) -> dict[str, str | None]:
     """Return the docstrings of a class's own and inherited methods, by their names."""
     inherited: dict[str, str | None] = {}
     for base in reversed(node.bases):
         name = ast.unparse(base).partition("[")[0].rpartition(".")[2]
-        inherited |= method_docstrings(CLASSES[name]) if name in CLASSES else {}
+        found = CLASSES.get((where, name)) or CLASSES.get(("anywhere", name))
+        inherited |= method_docstrings(found[1], found[0]) if found else {}
     methods = [inner for inner in node.body if isinstance(inner, ast.FunctionDef)]
     return inherited | {f.name: ast.get_docstring(f) or inherited.get(f.name) for f in methods}
 
@@ -122,7 +132,7 @@ def each(file: Path) -> str:
 @pytest.mark.parametrize("file", [*AGENTS, *FILES], ids=each)
 def test_a_public_method_has_a_docstring_or_inherits_one(file: Path) -> None:
     for node in classes(file):
-        found = {} if node.name.startswith("_") else method_docstrings(node)
+        found = {} if node.name.startswith("_") else method_docstrings(node, folder(file))
         missing = [name for name, text in found.items() if not text and not name.startswith("_")]
         assert not missing, f"{each(file)}:{node.lineno}: {missing}"
 
