@@ -158,6 +158,8 @@ class PlatformAgent(Agent):
         told = np.clip(wanted / able, [0.0, -1.0], 1.0)
         self._own = own._replace(told=told)
         speeds: Array = told * self._top
+        if not np.isfinite(speeds).all():  # a percept beyond all reason: begin as a new agent does
+            self._memory = self._own = None
         return speeds
 
     def _looked(self, t: float, base: Array) -> Own:

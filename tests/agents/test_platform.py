@@ -57,6 +57,18 @@ def test_a_heading_may_be_told_modulo_a_turn(body, percepts):
     np.testing.assert_allclose(whole, second(np.array([0.0, 0.0, 3.15 - 2 * np.pi])), atol=1e-9)
 
 
+@pytest.mark.parametrize("far", [1e9, 1e200, np.inf])
+@pytest.mark.parametrize("what", ["hand", "base"])
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+def test_a_percept_beyond_all_reason_is_not_remembered(body, percepts, what, far):
+    agent = PlatformAgent(body(None), perception="localiser")
+    said = [agent.decide(percepts(t=0.0))]
+    for number in range(1, 6):
+        said.append(agent.decide(percepts(t=0.08 * number, **{what: np.full(3, far)})))
+    said += [agent.decide(percepts(t=0.4 + 0.08 * number)) for number in range(1, 6)]
+    assert np.isfinite(said[-1]).all()
+
+
 def test_a_batch_of_robots_is_decided_for_at_once(body, percepts):
     one = percepts((0.1, 0.1, 0.0))
     joints = Joints(np.tile(START, (4, 1)), np.zeros((4, 6)))
