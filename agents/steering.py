@@ -134,7 +134,8 @@ class Planner:
         least, most = self._bounds(course)
         others = np.stack([np.zeros_like(held), held], axis=-3)
         others = np.clip(np.concatenate([others, self._seeds(course)], axis=-3), least, most)
-        best = self._cost(course, others).argmin(axis=-1)[..., None]
+        tail = self._tail(course)
+        best = self._cost(course, tail, others).argmin(axis=-1)[..., None]
         first = held if before is None else before
         both = np.concatenate(
             [
@@ -143,7 +144,7 @@ class Planner:
             ],
             axis=-3,
         )
-        both, costs = self._improved(course, both, least, most)
+        both, costs = self._improved(course, tail, both, least, most)
         takes = costs[..., 1] < BETTER * costs[..., 0]
         plan = np.where(takes[..., None, None], both[..., 1, :, :], both[..., 0, :, :])
         *_, missing = self._moved(course, plan[..., None, :, :])
@@ -215,13 +216,12 @@ class Planner:
         size: Array = self._small**2 / POWER * ((1 + (missing / self._small) ** 2) ** POWER - 1)
         return size
 
-    def _cost(self, course: Course, plan: Array) -> Array:
+    def _cost(self, course: Course, tail: Tail, plan: Array) -> Array:
         """Return the cost (..., C) [m2 s] of plans (..., C, M, 2)."""
         heading, _, _, missing = self._moved(course, plan)
         far = np.abs(missing)
         rho, last = self._rho(far), far[..., -1]
         time, turns = self._to_go(course, heading, missing[..., -1])
-        tail = self._tail(course)
         beside = self._rho(np.abs(_beside(tail, heading, missing)))
         swing = np.abs(course.hand[..., None, INTERVALS - 1]) * np.minimum(turns, np.pi) / 2
         swing = self._rho(swing) * last**2 / (last**2 + 4 * (TRIFLE * self.reach) ** 2)
@@ -250,7 +250,7 @@ class Planner:
         return time, turns
 
     def _improved(
-        self, course: Course, plan: Array, least: Array, most: Array
+        self, course: Course, tail: Tail, plan: Array, least: Array, most: Array
     ) -> tuple[Array, Array]:
         """Return plans (..., C, M, 2) after one Gauss-Newton step within bounds, and their costs.
 
@@ -265,7 +265,6 @@ class Planner:
         ways = np.concatenate([ahead, (until * around) @ self._mix], axis=-1)
         weight = np.broadcast_to(self.length, missing.shape).copy()
         weight[..., -1] += END * self.unit + self._to_go(course, heading, missing[..., -1])[0] / 2
-        tail = self._tail(course)
         aside = 2 * ways[..., -1:, :]
         spin = 2j * (tail.ahead * heading)[..., None, None] * (self._most_turn @ self._mix)
         aside[..., INTERVALS:] -= spin
@@ -289,7 +288,7 @@ class Planner:
         tried = np.clip(tried, low[..., None, :], high[..., None, :])
         tried = np.swapaxes(tried.reshape(*tried.shape[:-1], 2, INTERVALS), -1, -2)
         beside = tried.reshape(*tried.shape[:-4], -1, INTERVALS, 2)
-        costs = self._cost(course, beside).reshape(tried.shape[:-2])
+        costs = self._cost(course, tail, beside).reshape(tried.shape[:-2])
         best = costs.argmin(axis=-1)[..., None]
         plan = np.take_along_axis(tried, best[..., None, None], axis=-3)[..., 0, :, :]
         return plan, np.take_along_axis(costs, best, axis=-1)[..., 0]

@@ -49,11 +49,12 @@ def arc(base: Numbers, velocity: Numbers, period: float) -> Numbers:
     x, y, heading = base
     linear, angular = velocity[:2]
     half = 0.5 * period * angular
-    chord = period * linear * (1.0 if half == 0.0 else math.sin(half) / half)
+    shrink = 1.0 if half == 0.0 else math.sin(half) / half
+    chord = period * linear * shrink
     middle = heading + half
     x, y = x + chord * math.cos(middle), y + chord * math.sin(middle)
     if len(velocity) > 2:
-        chord = period * velocity[2] * (1.0 if half == 0.0 else math.sin(half) / half)
+        chord = period * velocity[2] * shrink
         x, y = x - chord * math.sin(middle), y + chord * math.cos(middle)
     return x, y, middle + half
 
