@@ -2,13 +2,14 @@
 
 import tempfile
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from statistics import median
 from typing import NamedTuple
 
 import numpy as np
+import psutil
 
 from bench.bench import Bench, BenchError, Check, Result, Table
 from bench.launched import Launched, launched
@@ -119,10 +120,8 @@ def _grow(joints: int, side: str, seconds: float) -> ArmMeasurement:
                 run.until(PLANT, "obeys", joints, _START_TIMEOUT)
             except BenchError:
                 count = len({line["role"] for line in read_log(run.run, PLANT, "obeys")})
-                links = _links(run)
                 raise BenchError(
-                    f"after {_START_TIMEOUT:g} s only {count} of {joints} agents were active, "
-                    f"with {links} links"
+                    f"after {_START_TIMEOUT:g} s only {count} of {joints} agents were active"
                 ) from None
             ready = max(line["wall"] for line in read_log(run.run, PLANT, "obeys")) - run.commanded
             time.sleep(1.0)  # let them settle
@@ -131,7 +130,7 @@ def _grow(joints: int, side: str, seconds: float) -> ArmMeasurement:
             time.sleep(seconds)
             ended = time.time()
             usage = meter.usage() if meter else {}
-            links = _links(run) if meter else 0
+            links = _links((run.process.pid, *meter.pids)) if meter else 0
             time.sleep(0.6)  # the plant writes its log twice a second
             record = read_run_log(run.run)
             deployment = load(run.run / "deployment.yaml")
@@ -220,14 +219,18 @@ def _is_of(pid: int, run: Path) -> bool:
     return False
 
 
-def _links(run: Launched) -> int:
-    """Return the number of established connections at the ports of a run's processes."""
-    base = load(run.run / "deployment.yaml", only_role=PLANT).port
-    count = 0
-    for line in Path("/proc/net/tcp").read_text(encoding="ascii").splitlines()[1:]:
-        local, state = line.split()[1], line.split()[3]
-        count += state == "01" and base <= int(local.partition(":")[2], 16) < base + 96
-    return count
+def _links(pids: Iterable[int]) -> int:
+    """Return the number of connections from one of these processes to another.
+
+    Ports alone do not tell: another robot's are beside them, and any program's may be among them.
+    """
+    ends = {
+        (end.laddr, end.raddr)
+        for pid in pids
+        for end in psutil.Process(pid).net_connections("tcp")
+        if end.status == psutil.CONN_ESTABLISHED
+    }
+    return sum((there, here) in ends for here, there in ends) // 2
 
 
 def _memory(usage: Mapping[str, Usage]) -> tuple[int, int]:

@@ -47,6 +47,11 @@ class Meter:
         self._since = time.monotonic()
         self._before = {role: cpu_seconds(pid) for role, pid in pids.items()}
 
+    @property
+    def pids(self) -> tuple[int, ...]:
+        """The processes."""
+        return tuple(self._pids.values())
+
     def usage(self) -> dict[str, Usage]:
         """Return the cost of each process; all of them must be alive."""
         elapsed = time.monotonic() - self._since
