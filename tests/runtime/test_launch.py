@@ -12,20 +12,19 @@ import pytest
 
 from tests.runtime.conftest import RUN_DEADLINE, SOON, Robot, wait_for
 
-SPEED = ("--speed", "3")
 ROLES = ["plant", "goal", *(f"joint/{number}" for number in range(1, 7)), "platform"]
 
 
 def test_the_paper_s_task_is_done_and_nothing_is_left_but_the_record(robot: Robot) -> None:
-    code, said = robot.run(*SPEED)
+    code, said = robot.run()
     assert code == 0, said
     assert robot.processes() == {}
     assert "goal reached" in said
     summary = robot.summary
     evaluation = summary["evaluation"]
-    assert evaluation["tracking"]["worst"] < 0.003
-    assert evaluation["platform"]["least_speed"] > -1e-6
     # closer bounds are for a run in step (tests/agents/test_closed_loop.py): here answers come late
+    assert evaluation["tracking"]["worst"] < 0.01
+    assert evaluation["platform"]["least_speed"] > -1e-6
     assert abs(evaluation["platform"]["to_hand"]) < 0.7
     assert abs(evaluation["platform"]["arm_yaw"]) < 0.5
     elbow = next(joint for joint in evaluation["joints"] if joint["name"] == "elbow")
@@ -49,7 +48,7 @@ def test_all_move_at_once_show_their_roles_and_have_sessions_of_their_own(robot:
 
 
 def test_an_agent_that_hangs_for_a_while_goes_on_without_a_jump(robot: Robot) -> None:
-    code, said = robot.run(*SPEED, "--duration", "12s", "--hang", "joint/2@5:3s")
+    code, said = robot.run("--duration", "12s", "--hang", "joint/2@5:3s")
     assert code == 0, said
     what = [(event["text"], event["t"]) for event in robot.summary["events"]]
     assert [text for text, _ in what] == ["joint/2 hangs for 3 s", "joint/2 goes on"]
@@ -71,7 +70,7 @@ def test_an_agent_that_hangs_at_the_end_is_killed(robot: Robot) -> None:
 
 
 def test_without_the_platform_the_arm_goes_as_far_as_it_reaches(robot: Robot) -> None:
-    code, said = robot.run(*SPEED, "--kill", "platform@5")
+    code, said = robot.run("--kill", "platform@5")
     assert code == 3
     assert "out of reach" in said
     tracking = robot.summary["evaluation"]["tracking"]
@@ -79,7 +78,7 @@ def test_without_the_platform_the_arm_goes_as_far_as_it_reaches(robot: Robot) ->
 
 
 def test_chaos_kills_revives_and_breaks_by_the_clock_of_the_plant(robot: Robot) -> None:
-    code, said = robot.run(*SPEED, file="arph-faults.yaml")
+    code, said = robot.run(file="arph-faults.yaml")
     assert code == 0, said
     what = [(event["text"], event["t"]) for event in robot.summary["events"]]
     assert [text.partition(", first command accepted after ")[0] for text, _ in what] == [

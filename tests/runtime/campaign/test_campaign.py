@@ -13,7 +13,7 @@ from runtime.wire.mesh import LOOPBACK
 from tests.runtime.conftest import ROOT, RUN_DEADLINE, Robot, wait_for
 
 FILE = str(ROOT / "deploy" / "arph.yaml")
-SHORT = ("--speed", "3", "--duration", "8s")
+SHORT = ("--speed", "2", "--duration", "8s")
 
 
 def report(robot: Robot) -> tuple[Path, dict[str, Any]]:

@@ -28,7 +28,7 @@ def final_error(robot: Robot) -> float:
 def test_each_is_hung_once_and_the_hand_gets_there(robot: Robot) -> None:
     chaos_targets = ("launcher", *ROLES, "watcher")  # which has to start first
     hangs = [f"--hang={role}@{3 + 1.4 * i:g}:1s" for i, role in enumerate(chaos_targets)]
-    launcher = robot.launch("--speed", "3", "--duration", "20s", *hangs)
+    launcher = robot.launch("--speed", "2", "--duration", "20s", *hangs)
     robot.until(0.3)
     watching = robot.start("status", "--watch", "--robot", robot.name)
     out, err = launcher.communicate(timeout=RUN_DEADLINE)
@@ -78,7 +78,7 @@ def test_who_starts_after_the_goal_s_source_was_lost_learns_of_the_goal(
     options = [loss]
     for role, at in losses.items():
         options += [f"--kill={role}@{at:g}", f"--revive={role}@{at + 0.9:g}"]
-    code, said = robot.run("--speed", "3", "--duration", duration, *options)
+    code, said = robot.run("--speed", "2", "--duration", duration, *options)
     assert code == 0, said
     for role in losses:
         assert len(robot.log(role, "start")) == 2
@@ -86,6 +86,6 @@ def test_who_starts_after_the_goal_s_source_was_lost_learns_of_the_goal(
 
 
 def test_who_hangs_to_the_end_is_ended_by_the_launcher_s_heir(robot: Robot) -> None:
-    robot.run("--speed", "3", "--duration", "6s", "--hang", "joint/5@1", "--kill", "launcher@2")
+    robot.run("--speed", "2", "--duration", "6s", "--hang", "joint/5@1", "--kill", "launcher@2")
     wait_for(lambda: not robot.processes(), "all to end")
     assert robot.log("joint/5", "end") == []
