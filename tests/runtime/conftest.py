@@ -25,6 +25,9 @@ ROOT = Path(__file__).parents[2]
 signal.signal(signal.SIGINT, signal.default_int_handler)
 # A shell that has pytest in the background ignores it, and all that is started here would too.
 T = TypeVar("T")
+FOLLOWS = 0.05
+"""Largest error of a hand that follows its goal in real time [m]: on a busy machine the answers of
+its agents come several periods late. How closely it follows is judged in step (tests/agents)."""
 SOON = 15.0
 """Within which happens on a busy machine what takes less than a second on an idle one [s]."""
 DEADLINE = 60.0
