@@ -7,7 +7,7 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any, TypeVar
@@ -28,6 +28,8 @@ T = TypeVar("T")
 FOLLOWS = 0.05
 """Largest error of a hand that follows its goal in real time [m]: on a busy machine the answers of
 its agents come several periods late. How closely it follows is judged in step (tests/agents)."""
+TOLERANCE = 0.02
+"""Error at the end of a run that counts as having reached the goal [m], for the same reason."""
 SOON = 15.0
 """Within which happens on a busy machine what takes less than a second on an idle one [s]."""
 DEADLINE = 60.0
@@ -101,6 +103,13 @@ class ProcessGroup:
         return wait_for(look, f"{role}: {what}")
 
 
+def _command(arguments: Sequence[str]) -> list[str]:
+    """Return the command line of `msma`: what is launched has `TOLERANCE` if no other is given."""
+    wide = arguments[0] in ("launch", "chaos") and "tolerance=" not in " ".join(arguments)
+    more = ("--set", f"tolerance={TOLERANCE} m") if wide else ()
+    return [sys.executable, "-m", "runtime.cli", *arguments, *more]
+
+
 class Robot:
     """A robot of a name of its own, with `msma` as a person would use it from another folder."""
 
@@ -115,7 +124,7 @@ class Robot:
     def msma(self, *arguments: str, **more: Any) -> subprocess.CompletedProcess[str]:
         """Call `msma` and wait for its end."""
         return subprocess.run(
-            [sys.executable, "-m", "runtime.cli", *arguments],
+            _command(arguments),
             cwd=self.folder,
             env=self.environment,
             capture_output=True,
@@ -135,7 +144,7 @@ class Robot:
     def start(self, *arguments: str) -> subprocess.Popen[str]:
         """Start `msma` and do not wait for its end."""
         process = subprocess.Popen(
-            [sys.executable, "-m", "runtime.cli", *arguments],
+            _command(arguments),
             cwd=self.folder,
             env=self.environment,
             stdout=subprocess.PIPE,

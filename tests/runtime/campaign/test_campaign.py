@@ -28,7 +28,7 @@ def test_ten_runs_with_random_faults_of_any_process_all_reach_the_goal(robot: Ro
     )
     out, err = campaign.communicate(timeout=540)
     assert campaign.returncode == 0, out + err
-    assert "10 of 10 runs ended within 3.00 mm of the goal" in out
+    assert "10 of 10 runs ended within 20.00 mm of the goal" in out
     assert robot.processes() == {}
     folder, said = report(robot)
     assert said["reached"] == 10
@@ -63,6 +63,7 @@ def test_a_run_that_misses_is_reported_with_the_command_that_repeats_it(
     (tmp_path / "lame.py").write_text(LAME)
     options = ["--robot", robot.name, *SHORT]
     options += ["--set", f"modules={tmp_path}", "--set", "agents.platform.class=lame:Lame"]
+    options += ["--set", "tolerance=3 mm"]
     done = robot.msma("chaos", FILE, *options, "--runs", "1", "--seed", "7")
     assert done.returncode == 3, done.stdout + done.stderr
     _, first = report(robot)

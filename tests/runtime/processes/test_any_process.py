@@ -8,7 +8,7 @@ import pytest
 from runtime.config.deployment import load
 from runtime.results.evaluation import errors
 from runtime.results.run_log import read_run_log
-from tests.runtime.conftest import ROOT, RUN_DEADLINE, Robot, wait_for
+from tests.runtime.conftest import ROOT, RUN_DEADLINE, TOLERANCE, Robot, wait_for
 
 ROLES = ("goal", *(f"joint/{number}" for number in range(1, 7)), "platform")
 
@@ -56,7 +56,7 @@ def test_each_is_killed_once_the_launcher_first_and_the_hand_gets_there(robot: R
         assert robot.log(role, "end")[0]["reason"] == "the run is over"
     record = read_run_log(robot.run_folder)
     assert record.t[-1] == pytest.approx(24.0)
-    assert final_error(robot) < 0.003
+    assert final_error(robot) < TOLERANCE
     assert not np.isnan(record.age[-1]).any(), "every motor is told what to do again"
 
 
@@ -82,7 +82,7 @@ def test_who_starts_after_the_goal_s_source_was_lost_learns_of_the_goal(
     assert code == 0, said
     for role in losses:
         assert len(robot.log(role, "start")) == 2
-    assert final_error(robot) < 0.003
+    assert final_error(robot) < TOLERANCE
 
 
 def test_who_hangs_to_the_end_is_ended_by_the_launcher_s_heir(robot: Robot) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.runtime.conftest import FOLLOWS, RUN_DEADLINE, Robot, wait_for
+from tests.runtime.conftest import FOLLOWS, RUN_DEADLINE, TOLERANCE, Robot, wait_for
 
 pytestmark = pytest.mark.skipif(
     os.geteuid() != 0, reason="namespaces take root: run the tests as root"
@@ -75,7 +75,7 @@ def test_hosts_that_are_cut_off_are_commanded_again_soon_after_they_are_back(
     ((last, again),) = silences(robot, set(MOTORS) - {3, PLATFORM})
     assert 2.0 < last < 3.0
     assert 6.0 < again < 6.0 + RECONNECTED
-    assert robot.summary["evaluation"]["tracking"]["final"] < 0.003
+    assert robot.summary["evaluation"]["tracking"]["final"] < TOLERANCE
     hosts = {process["role"]: process["host"] for process in robot.summary["processes"]}
     assert (hosts["plant"], hosts["joint/1"], hosts["goal"]) == ("robot", "arm", "base")
 
@@ -115,7 +115,7 @@ def test_when_the_first_host_dies_the_others_go_on_and_newcomers_join(robot: Rob
         )
         assert told is not None, said
         assert float(told[1]) < RECONNECTED
-    assert robot.summary["evaluation"]["tracking"]["final"] < 0.003
+    assert robot.summary["evaluation"]["tracking"]["final"] < TOLERANCE
 
 
 def test_an_interrupted_rehearsal_ends_as_any_launch_does(robot: Robot) -> None:

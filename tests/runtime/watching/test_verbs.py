@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from runtime.verbs.hz import evenness
-from tests.runtime.conftest import RUN_DEADLINE, Robot, wait_for
+from tests.runtime.conftest import RUN_DEADLINE, TOLERANCE, Robot, wait_for
 from tests.runtime.test_launch import ROLES
 
 
@@ -30,12 +30,16 @@ def running(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
 
 
 def test_status_shows_every_process(running: Robot) -> None:
-    said = running.tool("status")
-    assert said.returncode == 0, said.stderr
-    first, _, *lines = said.stdout.splitlines()[: 2 + len(ROLES)]
-    assert first.startswith(f"{running.name}: ")
-    assert [line.split()[0] for line in lines] == ROLES
-    assert [int(line.split()[1]) for line in lines] == [running.pid(role) for role in ROLES]
+    def shown() -> list[list[str]]:
+        said = running.tool("status")
+        assert said.returncode == 0, said.stderr
+        first, _, *lines = said.stdout.splitlines()[: 2 + len(ROLES)]
+        assert first.startswith(f"{running.name}: ")
+        return [line.split()[:2] for line in lines]
+
+    assert [role for role, _ in shown()] == ROLES
+    there = [[role, str(running.pid(role))] for role in ROLES]
+    wait_for(lambda: shown() == there, "all to answer in time")
 
 
 def test_status_is_json_for_programs(running: Robot) -> None:
@@ -44,7 +48,7 @@ def test_status_is_json_for_programs(running: Robot) -> None:
         return said
 
     assert told()["t"] > 0
-    wait_for(lambda: told()["error"] < 0.003, "the hand to be at its goal")
+    wait_for(lambda: told()["error"] < TOLERANCE, "the hand to be at its goal")
     assert all(process["alive"] for process in told()["processes"])
 
 
