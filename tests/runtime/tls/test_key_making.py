@@ -139,8 +139,9 @@ def test_a_missing_key_pair_is_named(folder: Path) -> None:
 
 
 def test_the_doctor_finds_an_expired_certificate(folder: Path, authority: Authority) -> None:
-    replace("joint/2", authority, begin=NOW - timedelta(9), end=NOW - timedelta(2))
-    day = (datetime.now() - timedelta(2)).strftime("%Y-%m-%d")
+    end = NOW - timedelta(2)
+    replace("joint/2", authority, begin=NOW - timedelta(9), end=end)
+    day = end.astimezone().strftime("%Y-%m-%d")
     assert f"bad: {folder}/keys/joint-2.pem expired on {day}" in found()
 
 
