@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -27,12 +27,19 @@ class Goal(NamedTuple):
     position: (..., 3) [m] in the world, at time `since`
     velocity: (..., 3) [m/s]
     since, until: plant time [s]; before and after, the goal stands still
+    orientation: (..., 4) unit quaternion x, y, z, w of the hand in the world, at time `since`;
+        None where it does not matter
+    angular_velocity: (..., 3) [rad/s] in the world, with which it turns; None for none
+    free: what of the orientation does not matter all the same: `roll` is a turn about the hand's z
     """
 
     position: Array
     velocity: Array
     since: float
     until: float
+    orientation: Array | None = None
+    angular_velocity: Array | None = None
+    free: Literal["nothing", "roll", "all"] = "nothing"
 
     def moving(self, t: float) -> float:
         """For how long the goal has moved by plant time `t` [s]: [s]."""

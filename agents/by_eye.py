@@ -5,9 +5,8 @@ from typing import NamedTuple
 import numpy as np
 
 from agents.adaptation import SeenVelocity
-from agents.agent import Array, Body, Goal
-from agents.arithmetic import within
-from agents.laws import Law, Own
+from agents.agent import Array, Body, Goal, Percepts
+from agents.laws import Law
 from agents.sight import View
 from agents.watching import Content, OwnColumn, OwnMotion, SteadyEye
 from plant.kinematics import ArmPose
@@ -82,7 +81,7 @@ class LineByEye(Law):
         """Hear what a model knows while it serves."""
         if view.arm is None or (self._told and t - self._told[-1].t < 0.9 * self._window):
             return
-        told = Told(t, view.arm, joint, within(speed, self._top_speed))
+        told = Told(t, view.arm, joint, np.clip(speed, -self._top_speed, self._top_speed))
         self._told = (*self._told[-1:], told)
 
     def _take_over(self, t: float) -> None:
@@ -96,8 +95,9 @@ class LineByEye(Law):
             self._t, self._hand, self._steady = told.t, told.arm.tip, told.speed
             self._will = told.speed
 
-    def velocity(self, t: float, view: View, own: Own | None, goal: Goal) -> Array:
+    def velocity(self, percepts: Percepts, goal: Goal, view: View) -> Array:
         """Return the velocity (...) [rad/s]; the encoder, if there is one, is not looked at."""
+        t = percepts.t
         if self._told or (self._t is not None and not 0 <= t - self._t <= SeenVelocity.GAP):
             self._take_over(t)
         elapsed = self._window if self._t is None else t - self._t

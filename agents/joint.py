@@ -4,12 +4,10 @@ from typing import Annotated, Literal, cast
 
 import numpy as np
 
-from agents.agent import REST, Agent, AgentError, Array, Body, Joints, Percepts
+from agents.agent import REST, Agent, AgentError, Array, Body, Percepts
 from agents.arithmetic import anywhere, element, within
 from agents.by_eye import LineByEye
-from agents.carried import CarriedLineByModel
-from agents.even import EvenLineByModel
-from agents.laws import Law, LineByModel, Own, StepByEye, StepByModel
+from agents.laws import Law, LineByModel, StepByEye, StepByModel
 from agents.sight import Perception, Sight
 
 
@@ -23,24 +21,20 @@ class JointAgent(Agent):
         self,
         body: Body,
         *,
-        law: Literal["line", "even-line", "fixed-step"] = "line",
+        law: Literal["line", "fixed-step"] = "line",
         perception: Perception = "auto",
-        gain: float = 0.45,
         horizon: Annotated[float, "s"] = 0.12,
-        memory: Annotated[float, "s"] = 1.5,
+        memory: Annotated[float, "s"] = 5.0,
         bend: Annotated[float, "rad"] = 0.0,
         step: Annotated[float, "rad"] = np.deg2rad(1.0),
     ) -> None:
         """Become the agent of one joint.
 
-        law: relaxed line minimisation (`LineByModel`, on a platform `CarriedLineByModel`; or
-            `LineByEye`), the same with an even part for all joints where there is a model
-            (`EvenLineByModel`), or the paper's fixed step
+        law: the best step ahead (`LineByModel`, or `LineByEye`), or the paper's fixed step
         perception: see `Sight`
-        gain: of the lines, with a model: share of the best turn made, to begin with; it adapts
         horizon: of the lines: how far ahead it looks [s]; at least one and a half control periods
         memory: of the lines, with a model: time in which a motion that nothing asks for dies [s]
-        bend: of the lines, with a model: how far off straight it stays if it can [rad]; see `Bend`
+        bend: of the lines, with a model: how far off straight it stays if it can [rad]
         step: of `fixed-step` [rad] a control period
 
         Raises `AgentError` when a value is out of its range.
@@ -50,8 +44,6 @@ class JointAgent(Agent):
                 raise AgentError(f"{name}: {value:g} must be positive")
         if not 0 <= bend <= np.pi / 2:
             raise AgentError(f"bend: {np.degrees(bend):g} deg must be from 0 to 90 deg")
-        if not 0 < gain <= 1:
-            raise AgentError(f"gain: {gain:g} must be above 0 and at most 1")
         self._joint = joint_of(body)
         self._top_speed = float(body.robot.max_speed[self._joint])
         self._sight = Sight(body, perception)
@@ -67,35 +59,29 @@ class JointAgent(Agent):
             self._by_eye = StepByEye(speed)
         else:
             self.rest = REST * horizon
-            plain_line = LineByModel if body.robot.drive is None else CarriedLineByModel
-            line = plain_line if law == "line" else EvenLineByModel
-            self._by_model = line(
-                body, self._joint, gain=gain, horizon=horizon, memory=memory, bend=bend
+            self._by_model = LineByModel(
+                body, self._joint, horizon=horizon, memory=memory, bend=bend
             )
             self._by_eye = LineByEye(body, horizon=horizon, top_speed=self._top_speed)
 
     def decide(self, percepts: Percepts) -> Array | None:
-        """Return the joint's velocity (...) [rad/s]; None without a goal or a sight of the hand."""
+        """Return the joint's velocity (...) [rad/s or m/s]; None without a goal or sight of the hand."""
         view = self._sight.see(percepts)
-        if view is None or percepts.goal is None:
+        goal = percepts.goal
+        if view is None or goal is None:
             self.perception = "none"
             return None
         self.perception = "blackboard" if view.certain else "localiser"
-        t, goal = percepts.t, percepts.goal
-        own = None if percepts.joints is None else self._own(percepts.joints)
         if view.certain:
-            velocity = self._by_model.velocity(t, view, own, goal)
+            velocity = self._by_model.velocity(percepts, goal, view)
             if self._may_fail:
-                self._by_eye.listen(t, view, self._joint, velocity)
+                self._by_eye.listen(percepts.t, view, self._joint, velocity)
         else:
-            velocity = self._by_eye.velocity(t, view, own, goal)
+            velocity = self._by_eye.velocity(percepts, goal, view)
             if np.any(view.modelled):
-                by_model = self._by_model.velocity(t, view, own, goal)
+                by_model = self._by_model.velocity(percepts, goal, view)
                 velocity = np.where(view.modelled, by_model, velocity)
         return within(velocity, self._top_speed)
-
-    def _own(self, joints: Joints) -> Own:
-        return Own(element(joints.position, self._joint), element(joints.velocity, self._joint))
 
 
 class HoldAgent(Agent):

@@ -34,6 +34,11 @@ class ArmPose:
         return self._three(0)
 
     @property
+    def rotation_parts(self) -> Sequence[Any]:
+        """The tip's rotation matrix, row by row (9)."""
+        return self._numbers[3:12]
+
+    @property
     def tip_of_one(self) -> tuple[Numbers, Numbers]:
         """The tip of one arm: its position [m] (3), and its rotation matrix row by row (9)."""
         return tuple(self._numbers[:3]), tuple(self._numbers[3:12])
@@ -134,6 +139,12 @@ class Kinematics:
     def forward_of_one(self, q: Sequence[float], base: Sequence[float]) -> ArmPose:
         """Return the same for one arm in plain numbers: its n positions, and the base's three."""
         return ArmPose(self._of_one(*base, *q), ())
+
+    def of_parts(self, q: Sequence[Any], base: Sequence[Any]) -> ArmPose:
+        """Return the same of n positions and the base's three, each of them (...) or a float."""
+        if isinstance(q[0], float):
+            return ArmPose(self._of_one(*base, *q), ())
+        return ArmPose(self._of_many(*base, *q), np.shape(q[0]))
 
     def _forward_of_many(self, q: Array, base: Array) -> ArmPose:
         """Return the same for any batch, with each number of all arms in one array."""

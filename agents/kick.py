@@ -1,0 +1,92 @@
+"""A move by chance, where a goal that stands still is not reached and nothing gets nearer.
+
+Each joint alone turning the best way can come to rest where none can do better by itself: pressed
+against a stop, straight with the goal on its line, wound the wrong way. So where the hand has not
+come nearer for a while, a joint goes to a place of its range by chance for a moment, and then does
+its best from there. Each decides alone and at a time of its own. The longer a goal has stood, the
+rarer, so that an arm does not move for ever after what cannot be reached.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from agents.number import Namespace, Number
+
+NEARER = 0.97
+"""[1] of the least distance so far, or less, is nearer: 0.9 takes slow approaches for none and
+loses 8 of 100 with a joint locked (seeds 0 to 9)."""
+PATIENCE = 4.0, 8.0
+"""[horizons] without coming nearer, by chance between: half or twice of it loses 2 to 10 of 100."""
+LASTS = 2.5, 6.5
+"""[horizons] that the move takes, by chance between: likewise."""
+CLOSE = 0.04, 3.0
+"""[reaches, 1] Hand and goal that are so close are given so many times as long: 1 loses 5 of 100."""
+REACHED = 0.002
+"""[reaches] of hand and goal, from which on nothing is to be gained."""
+RARER = 250.0
+"""[horizons] that a goal has stood, from which on patience grows in proportion: a minute's half."""
+FULL_TURN = np.pi
+"""[rad] either way that a joint without stops, or with wider ones, may be moved to by chance."""
+
+
+class Kick(NamedTuple):
+    """What a joint remembers of it.
+
+    Attributes:
+        least: Distance of hand and goal that came last as nearer [m].
+        since: When that was [s].
+        chance: (3) from 0 to 1: of its patience, of how long it moves and where to.
+        until: When the move ends [s].
+        place: Where it leads to [rad or m].
+    """
+
+    least: Number
+    since: Number
+    chance: tuple[Number, Number, Number]
+    until: Number
+    place: Number
+
+
+def begun(t: float) -> Kick:
+    """Return the memory of a goal that is new at `t` [s]."""
+    return Kick(np.inf, t, (0.5, 0.5, 0.5), -np.inf, 0.0)
+
+
+def watched(
+    xp: Namespace, kick: Kick, t: float, stood: float, distance: Number, reach: float,
+    horizon: float, bounds: tuple[float, float], rng: np.random.Generator,
+) -> Kick:  # fmt: skip
+    """Return the memory after a look at `t` [s]; the joint moves by chance while t < `until`.
+
+    Args:
+        xp: The namespace.
+        kick: The memory before.
+        t: Plant time [s].
+        stood: How long the goal has stood still [s].
+        distance: Of hand and goal [m]: the root of their cost.
+        reach: Of the arm [m].
+        horizon: [s].
+        bounds: Between which to move [rad or m].
+        rng: The source of chance.
+    """
+    nearer = distance < NEARER * kick.least
+    least = xp.where(nearer, distance, kick.least)
+    since = xp.where(nearer, t, kick.since)
+    patience = horizon * (PATIENCE[0] + (PATIENCE[1] - PATIENCE[0]) * kick.chance[0])
+    patience = patience * xp.where(distance < CLOSE[0] * reach, CLOSE[1], 1.0)
+    patience = patience * max(stood / (RARER * horizon), 1.0)
+    goes = (t - since > patience) & (distance > REACHED * reach)
+    if not xp.any(goes):
+        return kick._replace(least=least, since=since)
+    draws = rng.random((3, *np.shape(goes)))
+    one, two, three = draws if np.shape(goes) else draws.tolist()
+    until = t + horizon * (LASTS[0] + (LASTS[1] - LASTS[0]) * two)
+    place = bounds[0] + (bounds[1] - bounds[0]) * three
+    return Kick(
+        xp.where(goes, np.inf, least),
+        xp.where(goes, until, since),
+        tuple(xp.where(goes, new, old) for new, old in zip((one, two, three), kick.chance, strict=True)),  # type: ignore[arg-type]
+        xp.where(goes, until, kick.until),
+        xp.where(goes, place, kick.place),
+    )

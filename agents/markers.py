@@ -1,0 +1,191 @@
+"""Where the hand should be, position and orientation as one cost, and what one joint can do for it.
+
+The hand is a set of marker points: the tip e, and points off it along its axes. Up to a constant
+factor, the sum of their squared distances from where the goal g has them is
+
+    C = |e - g|^2 + k sum_c |u_c - v_c|^2        [m2]
+
+with u_c, v_c the x, y and z directions of the hand and of the goal, and sqrt(k) [m] a lever. Where
+orientation is free, k = 0; where only the approach axis z matters, the goal is turned about that
+axis to where C is least. What the directions differ by is one rotation, the unit quaternion
+(w, r) that takes the v_c to the u_c, so that
+
+    sum_c u_c x v_c = -4 w r,   sum_c u_c . v_c = 4 w^2 - 1,   sum_c |u_c - v_c|^2 = 8 |r|^2
+    sum_c (a . u_c)(a . v_c) = w^2 - |r|^2 + 2 (a . r)^2.
+"""
+
+from typing import NamedTuple
+
+from agents.agent import Goal
+from agents.number import Namespace, Number, Vector, components
+
+Quaternion = tuple[Number, Number, Number, Number]
+"""w, x, y, z of unit quaternions."""
+
+
+class Aim(NamedTuple):
+    """Where a goal is at one moment, in the world.
+
+    Attributes:
+        place: (3) [m].
+        turn: Orientation, None where it is free.
+        rolls: Whether the hand may turn about its approach axis z.
+    """
+
+    place: Vector
+    turn: Quaternion | None
+    rolls: bool
+
+
+class Off(NamedTuple):
+    """A hand, and how it is turned against its goal.
+
+    Attributes:
+        tip: (3) the grip point in the world [m].
+        turn: The rotation that takes the goal's directions to the hand's; None where it is free.
+    """
+
+    tip: Vector
+    turn: Quaternion | None
+
+
+def aim_at(xp: Namespace, goal: Goal, t: float, horizon: float = 0.0) -> Aim:
+    """Return where the goal would be `horizon` after plant time `t` [s] if it went on as it does."""
+    x, y, z = components(goal.position)
+    moving = goal.moving(t) + (horizon if goal.moves(t) else 0.0)
+    if moving:
+        vx, vy, vz = components(goal.velocity)
+        x, y, z = x + vx * moving, y + vy * moving, z + vz * moving
+    if goal.orientation is None or goal.free == "all":
+        return Aim((x, y, z), None, False)
+    qx, qy, qz, qw = components(goal.orientation)
+    turn = qw, qx, qy, qz
+    if moving and goal.angular_velocity is not None:
+        rx, ry, rz = components(goal.angular_velocity)
+        rate = xp.sqrt(rx * rx + ry * ry + rz * rz) + 1e-30
+        half = 0.5 * rate * moving
+        sine = xp.sin(half) / rate
+        turn = product((xp.cos(half), sine * rx, sine * ry, sine * rz), turn)
+    return Aim((x, y, z), turn, goal.free == "roll")
+
+
+def product(one: Quaternion, other: Quaternion) -> Quaternion:
+    """Return the rotation `other` and then `one`."""
+    w, x, y, z = one
+    b, c, d, e = other
+    return (
+        w * b - x * c - y * d - z * e,
+        w * c + x * b + y * e - z * d,
+        w * d - x * e + y * b + z * c,
+        w * e + x * d - y * c + z * b,
+    )
+
+
+def turned_against(xp: Namespace, rotation: tuple[Number, ...], aim: Aim) -> Quaternion | None:
+    """Return the rotation that takes the aim's directions to the hand's; None where it is free.
+
+    Args:
+        xp: The namespace.
+        rotation: (9) matrix of the hand, row by row.
+        aim: Where the hand should be.
+    """
+    if aim.turn is None:
+        return None
+    xx, xy, xz, yx, yy, yz, zx, zy, zz = rotation
+    w = 0.5 * xp.sqrt(xp.maximum(1.0 + xx + yy + zz, 0.0))
+    x = xp.copysign(0.5 * xp.sqrt(xp.maximum(1.0 + xx - yy - zz, 0.0)), zy - yz)
+    y = xp.copysign(0.5 * xp.sqrt(xp.maximum(1.0 - xx + yy - zz, 0.0)), xz - zx)
+    z = xp.copysign(0.5 * xp.sqrt(xp.maximum(1.0 - xx - yy + zz, 0.0)), yx - xy)
+    b, c, d, e = aim.turn
+    if aim.rolls:  # of the goals turned about their own z, the hand's projection on their plane
+        same = w * b + x * c + y * d + z * e
+        rolled = z * b - y * c + x * d - w * e
+        size = xp.sqrt(same * same + rolled * rolled) + 1e-30
+        same, rolled = same / size, rolled / size
+        b, c, d, e = (
+            same * b - rolled * e,
+            same * c + rolled * d,
+            same * d - rolled * c,
+            same * e + rolled * b,
+        )
+    return product((w, x, y, z), (b, -c, -d, -e))
+
+
+def best_step(
+    xp: Namespace, off: Off, place: Vector, lever2: float, axis: Vector, point: Vector, slides: bool
+) -> Number:
+    """Return the step of one joint that makes C least, exactly: [rad], within -pi to pi, or [m].
+
+    With r = e - p and s = g - p for a point p on the unit axis a,
+
+        turning  atan2(a . (r x s) - 4 k w (a . r_q),
+                       r . s - (a . r)(a . s) + 2 k (w^2 - (a . r_q)^2))
+        sliding  a . (g - e)
+
+    with (w, r_q) the rotation against the goal. Its sign is the "good direction" of the paper,
+    section 3.1. No inverse kinematics: one joint, one circle, the nearest point on it.
+
+    Args:
+        xp: The namespace.
+        off: The hand.
+        place: (3) of the goal [m].
+        lever2: k [m2].
+        axis: (3) unit axis of the joint.
+        point: (3) on it [m].
+        slides: Whether the joint slides.
+    """
+    ax, ay, az = axis
+    ex, ey, ez = off.tip
+    gx, gy, gz = place
+    if slides:
+        return ax * (gx - ex) + ay * (gy - ey) + az * (gz - ez)
+    px, py, pz = point
+    rx, ry, rz = ex - px, ey - py, ez - pz
+    sx, sy, sz = gx - px, gy - py, gz - pz
+    sine = ax * (ry * sz - rz * sy) + ay * (rz * sx - rx * sz) + az * (rx * sy - ry * sx)
+    cosine = (
+        rx * sx + ry * sy + rz * sz - (ax * rx + ay * ry + az * rz) * (ax * sx + ay * sy + az * sz)
+    )
+    if off.turn is not None:
+        w, x, y, z = off.turn
+        along = ax * x + ay * y + az * z
+        sine = sine - 4.0 * lever2 * w * along
+        cosine = cosine + 2.0 * lever2 * (w * w - along * along)
+    return xp.atan2(sine, cosine)
+
+
+def after_step(
+    xp: Namespace, off: Off, step: Number, axis: Vector, point: Vector, slides: bool
+) -> Off:
+    """Return where the hand comes to when one joint makes a step [rad or m].
+
+    Rodrigues' formula with half of the angle, s and c its sine and cosine:
+    r + 2 s c a x r + 2 s^2 a x (a x r); the rotation against the goal is multiplied by (c, s a).
+    """
+    ax, ay, az = axis
+    ex, ey, ez = off.tip
+    if slides:
+        return Off((ex + step * ax, ey + step * ay, ez + step * az), off.turn)
+    px, py, pz = point
+    rx, ry, rz = ex - px, ey - py, ez - pz
+    s, c = xp.sin(0.5 * step), xp.cos(0.5 * step)
+    ux, uy, uz = ay * rz - az * ry, az * rx - ax * rz, ax * ry - ay * rx
+    f, h = 2.0 * s * c, 2.0 * s * s
+    tip = (
+        ex + f * ux + h * (ay * uz - az * uy),
+        ey + f * uy + h * (az * ux - ax * uz),
+        ez + f * uz + h * (ax * uy - ay * ux),
+    )
+    if off.turn is None:
+        return Off(tip, None)
+    return Off(tip, product((c, s * ax, s * ay, s * az), off.turn))
+
+
+def cost(off: Off, place: Vector, lever2: float) -> Number:
+    """Return C [m2]."""
+    (ex, ey, ez), (gx, gy, gz) = off.tip, place
+    squared = (gx - ex) ** 2 + (gy - ey) ** 2 + (gz - ez) ** 2
+    if off.turn is None:
+        return squared
+    _, x, y, z = off.turn
+    return squared + 8.0 * lever2 * (x * x + y * y + z * z)
