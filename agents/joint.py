@@ -65,7 +65,7 @@ class JointAgent(Agent):
             self._by_eye = LineByEye(body, horizon=horizon, top_speed=self._top_speed)
 
     def decide(self, percepts: Percepts) -> Array | None:
-        """Return the joint's velocity (...) [rad/s or m/s]; None without a goal or sight of the hand."""
+        """Return the velocity (...) [rad/s or m/s]; None without a goal or a sight of the hand."""
         view = self._sight.see(percepts)
         goal = percepts.goal
         if view is None or goal is None:

@@ -16,12 +16,17 @@ from agents.number import Namespace, Number
 NEARER = 0.97
 """[1] of the least distance so far, or less, is nearer: 0.9 takes slow approaches for none and
 loses 8 of 100 with a joint locked (seeds 0 to 9)."""
+ANEW = 2.0
+"""[1] times the least distance so far, or more, is another approach, as after another's move: else
+one of many joints would always be moving."""
 PATIENCE = 4.0, 8.0
 """[horizons] without coming nearer, by chance between: half or twice of it loses 2 to 10 of 100."""
-LASTS = 2.5, 6.5
-"""[horizons] that the move takes, by chance between: likewise."""
+LASTS = 0.1, 0.25
+"""[1] of the time that its range, or a full turn, takes it at top speed, by chance
+between, and a horizon at least: half or twice of it loses 2 to 10 of 100."""
 CLOSE = 0.04, 3.0
-"""[reaches, 1] Hand and goal that are so close are given so many times as long: 1 loses 5 of 100."""
+"""[reaches, 1] Hand and goal that are so close are given so many times as long: 1 loses 5
+of 100."""
 REACHED = 0.002
 """[reaches] of hand and goal, from which on nothing is to be gained."""
 RARER = 250.0
@@ -36,26 +41,27 @@ class Kick(NamedTuple):
     Attributes:
         least: Distance of hand and goal that came last as nearer [m].
         since: When that was [s].
-        chance: (3) from 0 to 1: of its patience, of how long it moves and where to.
+        chance: From 0 to 1: how patient it is.
         until: When the move ends [s].
         place: Where it leads to [rad or m].
     """
 
     least: Number
     since: Number
-    chance: tuple[Number, Number, Number]
+    chance: Number
     until: Number
     place: Number
 
 
 def begun(t: float) -> Kick:
     """Return the memory of a goal that is new at `t` [s]."""
-    return Kick(np.inf, t, (0.5, 0.5, 0.5), -np.inf, 0.0)
+    return Kick(np.inf, t, 0.5, -np.inf, 0.0)
 
 
 def watched(
     xp: Namespace, kick: Kick, t: float, stood: float, distance: Number, reach: float,
-    horizon: float, bounds: tuple[float, float], rng: np.random.Generator,
+    horizon: float, speed: float, span: float, bounds: tuple[float, float],
+    rng: np.random.Generator,
 ) -> Kick:  # fmt: skip
     """Return the memory after a look at `t` [s]; the joint moves by chance while t < `until`.
 
@@ -67,13 +73,15 @@ def watched(
         distance: Of hand and goal [m]: the root of their cost.
         reach: Of the arm [m].
         horizon: [s].
+        speed: Its top speed [rad/s or m/s].
+        span: Its range, a full turn where it turns [rad or m].
         bounds: Between which to move [rad or m].
         rng: The source of chance.
     """
-    nearer = distance < NEARER * kick.least
+    nearer = (distance < NEARER * kick.least) | (distance > ANEW * kick.least)
     least = xp.where(nearer, distance, kick.least)
     since = xp.where(nearer, t, kick.since)
-    patience = horizon * (PATIENCE[0] + (PATIENCE[1] - PATIENCE[0]) * kick.chance[0])
+    patience = horizon * (PATIENCE[0] + (PATIENCE[1] - PATIENCE[0]) * kick.chance)
     patience = patience * xp.where(distance < CLOSE[0] * reach, CLOSE[1], 1.0)
     patience = patience * max(stood / (RARER * horizon), 1.0)
     goes = (t - since > patience) & (distance > REACHED * reach)
@@ -81,12 +89,13 @@ def watched(
         return kick._replace(least=least, since=since)
     draws = rng.random((3, *np.shape(goes)))
     one, two, three = draws if np.shape(goes) else draws.tolist()
-    until = t + horizon * (LASTS[0] + (LASTS[1] - LASTS[0]) * two)
+    lasts = (LASTS[0] + (LASTS[1] - LASTS[0]) * two) * span / speed
+    until = t + xp.maximum(lasts, horizon)
     place = bounds[0] + (bounds[1] - bounds[0]) * three
     return Kick(
         xp.where(goes, np.inf, least),
         xp.where(goes, until, since),
-        tuple(xp.where(goes, new, old) for new, old in zip((one, two, three), kick.chance, strict=True)),  # type: ignore[arg-type]
+        xp.where(goes, one, kick.chance),
         xp.where(goes, until, kick.until),
         xp.where(goes, place, kick.place),
     )

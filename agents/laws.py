@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from math import exp, inf
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from agents.agent import Array, Body, Goal, Percepts
 from agents.kick import Kick
 from agents.markers import Off, aim_at, best_step, cost, turned_against
 from agents.number import Namespace, Number, Vector, bounded, components, namespace_of
-from agents.others import Trust, change_wanted, left_by_others, links_of, untried, TRUST
+from agents.others import TRUST, Seen, change_wanted, first_seen, left_by_others, links_of
 from agents.sight import View
 from agents.turning import turned
 from plant.kinematics import ArmPose, kinematics_of
@@ -50,7 +50,7 @@ class Last(NamedTuple):
     Attributes:
         t: Of the percepts [s].
         base: (3) x, y [m] and heading [rad] of the platform; None on a bolted arm.
-        trust: In the joints beyond.
+        seen: Of itself and of each joint beyond.
         kick: Of its moves by chance.
         goal: Which goal stands still, as bytes; empty while one moves.
         stands: Since when [s].
@@ -58,7 +58,7 @@ class Last(NamedTuple):
 
     t: float
     base: Vector | None
-    trust: Trust
+    seen: tuple[Seen, ...]
     kick: Kick
     goal: bytes
     stands: float
@@ -99,47 +99,54 @@ class LineByModel(Law):
         own = self._links[joint]
         half = 0.5 * min(own.upper - own.lower, inf if own.slides else 2.0 * kick.FULL_TURN)
         middle = min(max(0.0, own.lower + half), own.upper - half)
+        self._span = 2.0 * (half if own.slides else kick.FULL_TURN)
         self._bounds = middle - half, middle + half
         self._last: Last | None = None
 
     def velocity(self, percepts: Percepts, goal: Goal, view: View) -> Array:
         """Return the velocity (...) [rad/s or m/s]."""
-        joints, t, horizon, first = percepts.joints, percepts.t, self._horizon, self._joint + 1
+        joints, t, horizon = percepts.joints, percepts.t, self._horizon
         assert joints is not None
         assert view.arm is not None  # it was made of the encoders
         xp = namespace_of(joints.position)
         q, speeds = components(joints.position), components(joints.velocity)
-        beyond = speeds[:self._joint:-1]
         base = None if percepts.base is None else components(percepts.base)
-        last = self._last
+        last, inner = self._last, speeds[: self._joint]
         if last is None or not 0.0 <= t - last.t <= GAP:
-            last = Last(t - self._body.period, base, untried(len(beyond)), kick.begun(t), b"", t)
-        elapsed = min(t - last.t, horizon)
-        trust = last.trust
+            fresh = tuple(first_seen(speed) for speed in speeds[self._joint :])
+            last = Last(t - self._body.period, base, fresh, kick.begun(t), b"", t)
+        elapsed, seen = min(t - last.t, horizon), last.seen
         if elapsed > 0.0:
-            trust = trust.after(beyond, exp(-elapsed / (TRUST * horizon)))
-        ahead, places = self._ahead(xp, q, speeds, base, last, t)
+            share = exp(-elapsed / (TRUST * horizon))
+            seen = tuple(
+                each.after(speed, share)
+                for each, speed in zip(seen, speeds[self._joint :], strict=True)
+            )
+        shares, pending = zip(*(each.shares(xp) for each in seen), strict=True)
+        going = tuple(each.going(late) for each, late in zip(seen, pending, strict=True))
+        ahead, places = self._ahead(xp, q, inner + going, base, last, t)
         aim = aim_at(xp, goal, t, horizon)
         off = Off(ahead.tip_parts, turned_against(xp, ahead.rotation_parts, aim))
         off, steps = left_by_others(
-            xp, self._links, first, ahead, off, aim, self._lever2, places, trust
-        )
-        own, speed = self._links[self._joint], speeds[self._joint]
+            xp, self._links, self._joint + 1, ahead, off, aim, self._lever2, horizon, places,
+            shares[1:],
+        )  # fmt: skip
+        own, speed = self._links[self._joint], going[0]
         axis, point = ahead.axis_parts(self._joint), ahead.point_parts(self._joint)
         step = best_step(xp, off, aim.place, self._lever2, axis, point, own.slides)
         moves = goal.moves(t)
         kept = exp(-elapsed / self._memory)
         back = kept if moves else exp(-elapsed / (FADES_BACK * horizon))
-        changes = tuple(
+        seen = tuple(
             change_wanted(
-                xp, self._links[-1 - i], seen, wanted,
-                xp.where(wanted * seen < 0.0, back, kept), horizon, elapsed,
+                xp, link, each, goes * xp.where(goes * wanted < 0.0, back, kept) + wanted / horizon,
+                elapsed,
             )
-            for i, (seen, wanted) in enumerate(zip(beyond, steps, strict=True))
+            for link, each, goes, wanted in zip(
+                self._links[self._joint :], seen, going, (step, *steps), strict=True
+            )
         )  # fmt: skip
-        self._last = Last(
-            t, base, trust._replace(speeds=beyond, changes=changes), last.kick, b"", t
-        )
+        self._last = Last(t, base, seen, last.kick, b"", t)
         fading = xp.where(step * speed < 0.0, back, kept)
         if not moves:
             step, fading = self._by_chance(xp, t, goal, view.arm, last, step, fading, places)
@@ -150,10 +157,10 @@ class LineByModel(Law):
             comfort = side * short / self._memory
         velocity = comfort + (speed - comfort) * fading + step / horizon
         if moves:
-            return velocity
+            return cast("Array", velocity)
         now = xp.abs(step + speed * horizon)
         most = BRAKES * xp.sqrt(2.0 * own.acceleration * now)
-        return bounded(xp, velocity, xp.maximum(most, LEAST_SPEED * own.speed))
+        return cast("Array", bounded(xp, velocity, xp.maximum(most, LEAST_SPEED * own.speed)))
 
     def _ahead(
         self, xp: Namespace, q: tuple[Number, ...], speeds: tuple[Number, ...],
@@ -193,7 +200,7 @@ class LineByModel(Law):
         distance = xp.sqrt(cost(off, aim.place, self._lever2))
         after = kick.watched(
             xp, last.kick if same else kick.begun(t), t, t - since, distance, self._reach,
-            self._horizon, self._bounds, self._body.rng,
+            self._horizon, self._links[self._joint].speed, self._span, self._bounds, self._body.rng,
         )  # fmt: skip
         self._last = self._last._replace(kick=after, goal=stands, stands=since)
         moved = t < after.until
@@ -204,11 +211,9 @@ class LineByModel(Law):
 
 
 def reach_of(body: Body) -> float:
-    """Return the length of the way along the arm, from its first joint to the tip [m]."""
-    joints = body.robot.joints
-    lengths = [float(np.linalg.norm(each.origin[:3, 3])) for each in joints[1:]]
-    slides = [each.upper - each.lower for each in joints if each.slides]
-    return sum(lengths) + sum(slides) + float(np.linalg.norm(body.robot.tip[:3, 3]))
+    """Return the length of the arm's links, from its first joint to the tip [m]."""
+    places = [*(joint.origin for joint in body.robot.joints[1:]), body.robot.tip]
+    return float(sum(np.linalg.norm(place[:3, 3]) for place in places))
 
 
 class StepByModel(Law):

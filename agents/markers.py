@@ -14,6 +14,7 @@ axis to where C is least. What the directions differ by is one rotation, the uni
     sum_c (a . u_c)(a . v_c) = w^2 - |r|^2 + 2 (a . r)^2.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from agents.agent import Goal
@@ -50,7 +51,7 @@ class Off(NamedTuple):
 
 
 def aim_at(xp: Namespace, goal: Goal, t: float, horizon: float = 0.0) -> Aim:
-    """Return where the goal would be `horizon` after plant time `t` [s] if it went on as it does."""
+    """Return where the goal is `horizon` after plant time `t` [s], if it goes on as it does."""
     x, y, z = components(goal.position)
     moving = goal.moving(t) + (horizon if goal.moves(t) else 0.0)
     if moving:
@@ -81,7 +82,7 @@ def product(one: Quaternion, other: Quaternion) -> Quaternion:
     )
 
 
-def turned_against(xp: Namespace, rotation: tuple[Number, ...], aim: Aim) -> Quaternion | None:
+def turned_against(xp: Namespace, rotation: Sequence[Number], aim: Aim) -> Quaternion | None:
     """Return the rotation that takes the aim's directions to the hand's; None where it is free.
 
     Args:

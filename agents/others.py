@@ -1,8 +1,8 @@
 """What a joint expects of the joints beyond it: that each does its best first, as far as it has.
 
-"Beyond" is towards the tip. Before it decides, a joint goes through those from the tip inwards: each
-makes the step that is best after those beyond it, within its range, times the share eta of such
-steps that have been seen to be made. That is one sweep of the Gauss-Seidel method on the cost
+"Beyond" is towards the tip. Before it decides, a joint goes through those from the tip inwards:
+each makes the step that is best after those beyond it, within its range, times the share eta of
+such steps that have been seen to be made. That is one sweep of the Gauss-Seidel method on the cost
 (`markers`), each joint on its own processor, and what is left is the joint's own business. One
 that does not move has eta = 0 soon, and is reckoned with no more; why it does not is not asked.
 
@@ -10,6 +10,13 @@ Nobody hears another's commands. So with x the change of speed that this joint w
 other would want, and y the change that is seen a decision later,
 
     eta = (sum x y) / (sum x^2), within 0 to 1, both sums fading within `TRUST`.
+
+Where commands take a decision longer, so does y. The same sums are kept for it, and where their eta
+is the larger one, what was wanted last is added to the speeds seen, as it is still to come (the
+predictor of Smith 1957), of one's own speed too.
+
+In the time of the horizon a joint makes no more than its top speed allows. So where the goal is far
+all move at once, and do not wait for those beyond.
 """
 
 from typing import NamedTuple
@@ -51,47 +58,57 @@ def links_of(body: Body) -> tuple[Link, ...]:
     )
 
 
-class Trust(NamedTuple):
-    """What one remembers of each joint beyond, the last first.
+class Seen(NamedTuple):
+    """What one remembers of a joint beyond, or of oneself.
 
     Attributes:
-        speeds: Seen at the last decision [rad/s or m/s].
-        changes: x, which they were expected to want from then on.
-        made, wanted: The sums of x y and of x^2.
+        speed, before: At the last decision and the one before [rad/s or m/s].
+        change, earlier: x of these decisions.
+        wanted, lately: The sum of x^2 up to the one before, and up to that before it.
+        made, late: The sums of x y, with y seen one decision later and two.
     """
 
-    speeds: tuple[Number, ...]
-    changes: tuple[Number, ...]
-    made: tuple[Number, ...]
-    wanted: tuple[Number, ...]
+    speed: Number
+    before: Number
+    change: Number
+    earlier: Number
+    wanted: Number
+    lately: Number
+    made: Number
+    late: Number
 
-    def after(self, seen: tuple[Number, ...], kept: float) -> "Trust":
-        """Return what is remembered once the speeds are `seen`, with a share `kept` of the old."""
-        made, wanted = [], []
-        for before, now, x, xy, xx in zip(
-            self.speeds, seen, self.changes, self.made, self.wanted, strict=True
-        ):
-            made.append(kept * xy + x * (now - before))
-            wanted.append(kept * xx + x * x)
-        return self._replace(made=tuple(made), wanted=tuple(wanted))
+    def after(self, speed: Number, kept: float) -> "Seen":
+        """Return what is remembered at a decision, with a share `kept` of the sums."""
+        x, y = self.change, speed - self.speed
+        made, late = (
+            kept * self.made + x * y,
+            kept * self.late + self.earlier * (speed - self.before),
+        )
+        return Seen(speed, self.speed, x, x, kept * self.wanted + x * x, self.wanted, made, late)
 
-    def share(self, xp: Namespace, index: int) -> Number:
-        """Return eta of one of them."""
-        eta = (self.made[index] + TINY) / (self.wanted[index] + TINY)
-        return xp.minimum(xp.maximum(eta, 0.0), 1.0)
+    def shares(self, xp: Namespace) -> tuple[Number, Number]:
+        """Return eta, and the part of it that is not yet to be seen at the next decision."""
+        once = (self.made + TINY) / (self.wanted + TINY)
+        late = (self.late + TINY) / (self.lately + TINY)
+        once = xp.minimum(xp.maximum(once, 0.0), 1.0)
+        late = xp.minimum(xp.maximum(late, 0.0), 1.0)
+        return xp.maximum(once, late), xp.where(late > once, late, 0.0)
+
+    def going(self, pending: Number) -> Number:
+        """Return the speed that it has once what it wanted at the last decision is in force."""
+        return self.speed + pending * (self.before + self.change - self.speed)
 
 
-def untried(count: int) -> Trust:
-    """Return what is known of so many joints to begin with: they are expected to do their part."""
-    none, some = (0.0,) * count, (TRIFLE,) * count
-    return Trust(none, none, some, some)
+def first_seen(speed: Number) -> Seen:
+    """Return what is remembered of a joint to begin with: it is expected to do its part."""
+    return Seen(speed, speed, 0.0, 0.0, TRIFLE, TRIFLE, TRIFLE, 0.0)
 
 
 def left_by_others(
     xp: Namespace, links: tuple[Link, ...], first: int, ahead: ArmPose, off: Off, aim: Aim,
-    lever2: float, places: tuple[Number, ...], trust: Trust,
+    lever2: float, horizon: float, places: tuple[Number, ...], shares: tuple[Number, ...],
 ) -> tuple[Off, tuple[Number, ...]]:  # fmt: skip
-    """Return the hand after all joints beyond have done their part, and the step each would make.
+    """Return the hand after all joints beyond have done their part, and the step of each.
 
     Args:
         xp: The namespace.
@@ -101,8 +118,9 @@ def left_by_others(
         off: Its hand.
         aim: Where that is to be.
         lever2: See `markers`.
+        horizon: [s].
         places: Of all joints at the end of the horizon [rad or m].
-        trust: In those beyond.
+        shares: eta of those beyond, from the first.
     """
     steps = []
     for index in range(len(links) - 1, first - 1, -1):
@@ -110,26 +128,23 @@ def left_by_others(
         axis, point = ahead.axis_parts(index), ahead.point_parts(index)
         step = best_step(xp, off, aim.place, lever2, axis, point, link.slides)
         steps.append(step)
-        made = xp.minimum(xp.maximum(step, link.lower - q), link.upper - q)
-        made = made * trust.share(xp, len(steps) - 1)
+        made = bounded(xp, step, link.speed * horizon)
+        made = xp.minimum(xp.maximum(made, link.lower - q), link.upper - q) * shares[index - first]
         off = after_step(xp, off, made, axis, point, link.slides)
-    return off, tuple(steps)
+    return off, tuple(steps[::-1])
 
 
 def change_wanted(
-    xp: Namespace, link: Link, speed: Number, step: Number, fading: Number, horizon: float,
-    elapsed: float,
-) -> Number:  # fmt: skip
-    """Return x: how a joint is expected to want to change its speed [rad/s or m/s].
+    xp: Namespace, link: Link, seen: Seen, wanted: Number, elapsed: float
+) -> Seen:  # fmt: skip
+    """Return what is remembered of a joint that would want a speed [rad/s or m/s].
 
     Args:
         xp: The namespace.
         link: The joint.
-        speed: Its own [rad/s or m/s].
-        step: That is best [rad or m].
-        fading: Share of its speed that is left after a decision.
-        horizon: [s].
+        seen: What was remembered.
+        wanted: The speed, before the limits.
         elapsed: From one decision to the next [s].
     """
-    wanted = bounded(xp, speed * fading + step / horizon, link.speed)
-    return bounded(xp, wanted - speed, link.acceleration * elapsed)
+    change = bounded(xp, wanted, link.speed) - seen.speed
+    return seen._replace(change=bounded(xp, change, link.acceleration * elapsed))

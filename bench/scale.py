@@ -172,7 +172,6 @@ def write_arm(folder: Path, joints: int, *, spread: bool = False) -> Path:
         f"<child link='tip'/><origin xyz='{length!r} 0 0'/></joint></robot>"
     )
     (folder / "long.urdf").write_text("\n".join(parts), encoding="utf-8")
-    gain = min(0.45, 4.0 / joints)  # so that all agents together correct at least the whole error
     turn = 120.0 / joints  # the arm starts as a third of a circle
     angles = np.radians(np.arange(1, joints + 1) * turn - 60.0)
     x, y = length * np.cos(angles).sum(), length * np.sin(angles).sum()
@@ -194,7 +193,7 @@ def write_arm(folder: Path, joints: int, *, spread: bool = False) -> Path:
         "  rate: 18 deg/s",
         "  turns: 20",
         "agents:",
-        *(f"  - {{role: joint/{i + 1}, class: agents.joint:JointAgent, gain: {gain}{homes[i]}}}"
+        *(f"  - {{role: joint/{i + 1}, class: agents.joint:JointAgent{homes[i]}}}"
           for i in range(joints)),
     ]  # fmt: skip
     file = folder / "long.yaml"
@@ -284,8 +283,6 @@ def _growth(found: Mapping[str, Sequence[ArmMeasurement]]) -> Table:
 
 
 NOTES = (
-    "The agents of an arm of n joints have the parameter gain: 4 / n, at most its default of 0.45: "
-    "with a larger gain, 32 agents that all correct the same error overshoot permanently.",
     "The latency of an answer comes from the plant's log: the period less the age of the command "
     "at the start of the next step, so at most one period.",
     f"With '{STAR}' each agent connects only to the plant and the goal source. Agents do not "

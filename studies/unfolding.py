@@ -192,7 +192,6 @@ def both(q: Array, goal: Array) -> list[tuple[Motion, Motion]]:
     agents: dict[str, Agent] = {
         f"joint/{i + 1}": JointAgent(
             Body(robot, i, PERIOD, i),
-            law=LAW,
             perception="blackboard",
         )
         for i in range(robot.n)

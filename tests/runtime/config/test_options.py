@@ -35,8 +35,10 @@ def test_the_usual_values_have_options_of_their_own() -> None:
 
 
 def test_any_value_can_be_set() -> None:
-    deployment = loaded("--set", "agents.joint/1.gain=0.3", "--set", "goal.velocity=[0, 0, 1 cm/s]")
-    assert deployment.agent("joint/1").parameters["gain"] == 0.3
+    deployment = loaded(
+        "--set", "agents.joint/1.memory=0.3 s", "--set", "goal.velocity=[0, 0, 1 cm/s]"
+    )
+    assert deployment.agent("joint/1").parameters["memory"] == 0.3
     assert deployment.goal is not None
     assert deployment.goal.parameters["velocity"] == (0.0, 0.0, 0.01)
 
@@ -67,8 +69,8 @@ def test_chaos_is_added_to_that_of_the_file() -> None:
     [
         ("--set", "period=-1", "period: -1 must be positive, such as 60 ms"),
         ("--set", "perid=1", "unknown key 'perid'; did you mean 'period'? valid are robot,"),
-        ("--set", "agents.joint/9.gain=1", "agents has no joint/9; it has joint/1, joint/2,"),
-        ("--set", "agents.0.gian=1", "agents.joint/1: unknown key 'gian'; did you mean 'gain'?"),
+        ("--set", "agents.joint/9.bend=1", "agents has no joint/9; it has joint/1, joint/2,"),
+        ("--set", "agents.0.bned=1", "agents.joint/1: unknown key 'bned'; did you mean 'bend'?"),
         ("--set", "period", "write PATH=VALUE, such as --set period=20ms"),
         ("--set", "seed=[1", "is not YAML: did not find expected"),
         ("--robot", "a b", "robot: 'a b' is not a robot's name, such as arph"),

@@ -1,0 +1,77 @@
+"""The hand's markers: the best step of one joint, and what orientation leaves free."""
+
+import numpy as np
+import pytest
+
+from agents.agent import Goal
+from agents.markers import Off, after_step, aim_at, best_step, cost, product, turned_against
+from agents.number import MANY, ONE, components
+from plant.kinematics import kinematics_of, quaternion
+from plant.urdf import load
+
+LEVER2 = 0.02
+
+
+@pytest.fixture(scope="module")
+def seven():
+    return load("seven")
+
+
+def hand_and_aim(robot, seed, free="nothing", batch=()):
+    rng = np.random.default_rng(seed)
+    kinematics = kinematics_of(robot)
+    arm = kinematics.forward(rng.uniform(-1.5, 1.5, (*batch, robot.n)))
+    there = kinematics.forward(rng.uniform(-1.5, 1.5, (*batch, robot.n)))
+    goal = Goal(there.tip, np.zeros(3), 0.0, 0.0, quaternion(there.rotation), None, free)
+    xp = MANY if batch else ONE
+    aim = aim_at(xp, goal, 0.0)
+    return xp, arm, aim, Off(arm.tip_parts, turned_against(xp, arm.rotation_parts, aim)), there
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_cost_is_that_of_the_axes(seven, seed):
+    _, arm, aim, off, there = hand_and_aim(seven, seed)
+    away = ((arm.tip - there.tip) ** 2).sum() + LEVER2 * (
+        (arm.rotation - there.rotation) ** 2
+    ).sum()
+    assert cost(off, aim.place, LEVER2) == pytest.approx(away)
+
+
+@pytest.mark.parametrize("free", ["nothing", "all"])
+@pytest.mark.parametrize("slides", [False, True])
+@pytest.mark.parametrize("joint", range(7))
+def test_no_other_step_of_a_joint_costs_less(seven, joint, slides, free):
+    xp, arm, aim, off, _ = hand_and_aim(seven, joint, free)
+    axis, point = arm.axis_parts(joint), arm.point_parts(joint)
+    best = best_step(xp, off, aim.place, LEVER2, axis, point, slides)
+    costs = [
+        cost(after_step(xp, off, best + more, axis, point, slides), aim.place, LEVER2)
+        for more in (0.0, *np.linspace(-3.0, 3.0, 40))
+    ]
+    assert costs[0] == pytest.approx(min(costs))
+
+
+def test_a_hand_that_may_roll_is_not_asked_to(seven):
+    _, arm, _, _, there = hand_and_aim(seven, 3, "roll")
+    place, turn = there.tip, quaternion(there.rotation)
+    half = 0.4
+    rolled = product((np.cos(half), 0.0, 0.0, np.sin(half)), (1.0, 0.0, 0.0, 0.0))
+    w, x, y, z = product((turn[3], turn[0], turn[1], turn[2]), rolled)
+    goal = Goal(place, np.zeros(3), 0.0, 0.0, np.array([x, y, z, w]), None, "roll")
+    aim = aim_at(ONE, goal, 0.0)
+    off = Off(there.tip_parts, turned_against(ONE, there.rotation_parts, aim))
+    assert cost(off, aim.place, LEVER2) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_batch_is_as_one_robot_at_a_time(seven):
+    xp, arm, aim, off, _ = hand_and_aim(seven, 1, batch=(4,))
+    steps = best_step(xp, off, aim.place, LEVER2, arm.axis_parts(2), arm.point_parts(2), False)
+    for i in range(4):
+        one = Off(
+            tuple(each[i] for each in off.tip),
+            tuple(each[i] for each in off.turn),
+        )
+        axis = components(arm.axes[i, 2])
+        point = components(arm.points[i, 2])
+        place = tuple(each[i] for each in aim.place)
+        assert best_step(ONE, one, place, LEVER2, axis, point, False) == pytest.approx(steps[i])
