@@ -24,6 +24,10 @@ Quaternion = tuple[Number, Number, Number, Number]
 """w, x, y, z of unit quaternions."""
 
 
+STILL = 1e-6
+"""[1] of k, that counts against any turn: a hand on the joint's axis gives it no way to turn."""
+
+
 class Aim(NamedTuple):
     """Where a goal is at one moment, in the world.
 
@@ -120,7 +124,7 @@ def best_step(
     With r = e - p and s = g - p for a point p on the unit axis a,
 
         turning  atan2(a . (r x s) - 4 k w (a . r_q),
-                       r . s - (a . r)(a . s) + 2 k (w^2 - (a . r_q)^2))
+                       `STILL` k + r . s - (a . r)(a . s) + 2 k (w^2 - (a . r_q)^2))
         sliding  a . (g - e)
 
     with (w, r_q) the rotation against the goal. Its sign is the "good direction" of the paper,
@@ -145,7 +149,11 @@ def best_step(
     sx, sy, sz = gx - px, gy - py, gz - pz
     sine = ax * (ry * sz - rz * sy) + ay * (rz * sx - rx * sz) + az * (rx * sy - ry * sx)
     cosine = (
-        rx * sx + ry * sy + rz * sz - (ax * rx + ay * ry + az * rz) * (ax * sx + ay * sy + az * sz)
+        STILL * lever2
+        + rx * sx
+        + ry * sy
+        + rz * sz
+        - (ax * rx + ay * ry + az * rz) * (ax * sx + ay * sy + az * sz)
     )
     if off.turn is not None:
         w, x, y, z = off.turn

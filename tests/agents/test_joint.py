@@ -6,9 +6,9 @@ import pytest
 from agents.agent import AgentError, Body, Joints, Percepts
 from agents.joint import HoldAgent, JointAgent
 from plant.kinematic import KinematicPlant
+from plant.kinematics import kinematics_of
 from plant.plant import Commands, Setup
 from plant.urdf import load
-from plant.kinematics import kinematics_of
 from tests.agents.conftest import START
 
 UP = (0.0, 0.0, 0.05)

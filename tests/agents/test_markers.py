@@ -52,7 +52,7 @@ def test_no_other_step_of_a_joint_costs_less(seven, joint, slides, free):
 
 
 def test_a_hand_that_may_roll_is_not_asked_to(seven):
-    _, arm, _, _, there = hand_and_aim(seven, 3, "roll")
+    *_, there = hand_and_aim(seven, 3, "roll")
     place, turn = there.tip, quaternion(there.rotation)
     half = 0.4
     rolled = product((np.cos(half), 0.0, 0.0, np.sin(half)), (1.0, 0.0, 0.0, 0.0))
