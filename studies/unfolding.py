@@ -33,7 +33,7 @@ STEP = float(np.radians(5.0))
 """Largest turn of a joint in a step, with either method [rad]."""
 NEAR = 0.005
 """Distance to the goal at which a motion ends [m]."""
-LAW: Final = "even-line"
+LAW: Final = "line"
 """Law of MSMA's joints: the line with an even part for all joints."""
 FOLDED = np.radians([90.0, -150.0, 145.0, -140.0, 135.0])
 STRETCHED = np.radians([70.0, 12.0, -10.0, 12.0, -8.0])

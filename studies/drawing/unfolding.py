@@ -13,7 +13,7 @@ from studies.drawing.planar_arm import GREY, LINK, draw_arm
 from studies.drawing.style import BLUE, COLOURS, DASHES, ORANGE, RED, save, sheet
 from studies.motion_measures import Motion, summed_motion
 
-NAMES = ("MSMA (even-line)", "MD (Duhaut)")
+NAMES = ("MSMA (line)", "MD (Duhaut)")
 METHOD_COLOURS = (BLUE, ORANGE)
 
 
