@@ -198,3 +198,17 @@ def cost(off: Off, place: Vector, lever2: float) -> Number:
         return squared
     _, x, y, z = off.turn
     return squared + 8.0 * lever2 * (x * x + y * y + z * z)
+
+
+def angle_off(xp: Namespace, hand: Quaternion, aim: Aim) -> Number:
+    """Return by how much a hand is turned against its aim [rad], 0 to pi; 0 where that is free.
+
+    Where it may roll, it is the angle between the z directions of the two.
+    """
+    if aim.turn is None:
+        return 0.0
+    b, c, d, e = aim.turn
+    w, x, y, z = product((b, -c, -d, -e), hand)
+    if aim.rolls:
+        return 2.0 * xp.atan2(xp.sqrt(x * x + y * y), xp.sqrt(w * w + z * z))
+    return 2.0 * xp.atan2(xp.sqrt(x * x + y * y + z * z), xp.abs(w))

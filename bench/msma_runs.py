@@ -62,6 +62,6 @@ def run_msma(deployment: Deployment, seconds: float, *, every_state: bool = Fals
         measured = run(commands, seconds, errors=said)
         record = read_run_log(folder)
     assert deployment.goal is not None
-    off = errors(record, deployment.goal.build())
+    off = errors(record, deployment.goal.build())[:, 0]
     late = record.t >= min(SETTLING, record.t[-1] / 2)
     return MsmaRun(measured, float(off[late].max()))

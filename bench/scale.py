@@ -151,7 +151,7 @@ def _grow(joints: int, side: str, seconds: float) -> ArmMeasurement:
         median([one.cpu for role, one in usage.items() if "/" in role] or [0.0]),
         _memory(usage),
         links,
-        float(errors(record, deployment.goal.build())[-1]),
+        float(errors(record, deployment.goal.build())[-1, 0]),
         ready,
     )
 

@@ -31,7 +31,7 @@ from runtime.spawning.identity import ProcessId, processes_in
 from runtime.spawning.registry import forget
 from runtime.spawning.tasks import last_line, spawn
 from runtime.tls.verification import verify_all
-from runtime.watching.table import distance
+from runtime.watching.table import off
 
 _MAX_FAULTS = 3  # at most in a run, each in another process
 _FAULTS_FROM, _FAULTS_TO = 1 / 6, 5 / 8  # shares of a run's duration
@@ -49,6 +49,7 @@ class CampaignRun:
         outcome: "reached", "missed", or "failed" if the run could not be evaluated.
         reason: Why it failed; empty otherwise.
         error: Distance of the hand from its goal at the end [m]; None if it never moved.
+        angle: Between the orientations of the two [rad]; 0 if any will do.
     """
 
     seed: int
@@ -58,6 +59,7 @@ class CampaignRun:
     error: float | None
     impact: Impact
     folder: Path
+    angle: float = 0.0
 
 
 def draw(deployment: Deployment, seed: int) -> Deployment:
@@ -129,12 +131,12 @@ def _evaluated(deployment: Deployment, folder: Path, reason: str) -> CampaignRun
     evaluation = evaluate(log, deployment)
     assert evaluation.tracking is not None
     assert deployment.duration is not None
-    error, impact = evaluation.tracking.final, measure_impact(deployment, folder, log)
+    tracking, impact = evaluation.tracking, measure_impact(deployment, folder, log)
     if not reason and evaluation.t < deployment.duration - 1e-9:
         reason = f"the plant ended at {evaluation.t:.2f} s"
-    outcome = "reached" if error <= deployment.tolerance else "missed"
-    outcome = "failed" if reason else outcome
-    return CampaignRun(seed, chaos, outcome, reason, error, impact, folder)
+    outcome = "reached" if tracking.nearest is None else "missed"
+    outcome, end = "failed" if reason else outcome, (tracking.final, impact, folder)
+    return CampaignRun(seed, chaos, outcome, reason, *end, tracking.final_angle)
 
 
 def _remaining(deployment: Deployment, folder: Path) -> list[ProcessId]:
@@ -152,7 +154,7 @@ def check_campaign(deployment: Deployment, runs: int) -> None:
     verify_all(deployment)
     undisturbed = forecast(deployment, path, duration)
     if not undisturbed.in_reach(deployment.tolerance):
-        what = f"the hand would end {distance(undisturbed.error)} off even without random faults"
+        what = f"the hand would end {off(*undisturbed.error)} off even without random faults"
         raise ConfigError(f"the goal is not within reach: {what}; see `msma launch`")
 
 

@@ -7,7 +7,6 @@ others puts the hand on the goal, from anywhere if the platform is alive and oth
 stopped. So where the agents merely fail, the goal counts as within reach.
 """
 
-import math
 from collections import Counter
 from dataclasses import replace
 from typing import NamedTuple
@@ -15,15 +14,18 @@ from typing import NamedTuple
 import numpy as np
 
 from agents.agent import Agent, Percepts
+from agents.markers import aim_at
+from agents.number import ONE
 from agents.paths import Path
+from plant import scalar
 from plant.faults import Fault
 from plant.kinematic import KinematicPlant
 from plant.plant import Commands, Setup
-from plant.robot import Robot
+from plant.robot import Robot, numbers
 from runtime.chaos.schedule import Due, Schedule
-from runtime.config.deployment import Deployment
+from runtime.config.deployment import Deployment, Tolerance
 from runtime.config.specs import parts_of
-from runtime.results.reach import smallest_distance
+from runtime.results.reach import HandError, hand_error, smallest_error
 from runtime.wire.topics import GOAL_SOURCE, PLATFORM_AGENT
 
 _COARSEST = 0.02  # [s] shortest period that is simulated
@@ -35,18 +37,19 @@ class Forecast(NamedTuple):
     """How a run would end.
 
     Attributes:
-        error: Distance of the hand from the end of the path [m].
-        misled: Distance of the published goal from there [m], if its source was lost.
-        nearest: Smallest distance of the hand from the published goal for any controller [m].
+        error: Of the hand from the end of the path.
+        misled: Of the published goal from there, if its source was lost.
+        nearest: The smallest of the hand from the published goal for any controller.
     """
 
-    error: float
-    misled: float
-    nearest: float
+    error: HandError
+    misled: HandError
+    nearest: HandError
 
-    def in_reach(self, tolerance: float) -> bool:
-        """Return whether the goal can be reached within a tolerance [m]."""
-        return self.error <= tolerance or max(self.misled, self.nearest) <= tolerance
+    def in_reach(self, tolerance: Tolerance) -> bool:
+        """Return whether the goal can be reached within a tolerance."""
+        near = tolerance.allows
+        return near(*self.error) or (near(*self.misled) and near(*self.nearest))
 
 
 def forecast(deployment: Deployment, path: Path, duration: float) -> Forecast:
@@ -77,13 +80,17 @@ def forecast(deployment: Deployment, path: Path, duration: float) -> Forecast:
         plant.step()
         truth = plant.truth()
         moved = np.maximum(moved, np.abs(np.subtract(truth.q, start.joints)))
-    published, intended = goal.at(duration), path.piece(duration).at(duration)
+    published = aim_at(ONE, goal, duration)
+    intended = aim_at(ONE, path.piece(duration), duration)
+    w, *vector = published.turn or (1.0, 0.0, 0.0, 0.0)
     held = {target for target, kind in faults.items() if kind in ("locked", "limp")}
     alive = {role for role in parts_of(robot) if processes.is_up(role)} - held
     return Forecast(
-        error=math.dist(truth.position, intended),
-        misled=math.dist(published, intended),
-        nearest=smallest_distance(
+        error=hand_error(
+            numbers(truth.position), scalar.quaternion(numbers(truth.rotation)), intended
+        ),
+        misled=hand_error(published.place, (*vector, w), intended),
+        nearest=smallest_error(
             robot,
             published,
             np.asarray(truth.base),

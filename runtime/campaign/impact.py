@@ -79,7 +79,7 @@ class _Outage(NamedTuple):
 def measure_impact(deployment: Deployment, run: Path, log: RunLog) -> Impact:
     """Measure the impact of the faults in a run that has a goal, by the logs in its folder."""
     assert deployment.goal is not None
-    off = errors(log, deployment.goal.build())
+    off = errors(log, deployment.goal.build())[:, 0]
     agents = {agent.role for agent in deployment.agents}
     parts = zip(
         parts_of(deployment.description.robot), log.arrivals(deployment.period), strict=True

@@ -10,7 +10,7 @@ from runtime.campaign.campaign import CampaignRun
 from runtime.config.chaos import ChaosEvent
 from runtime.config.deployment import Deployment
 from runtime.watching.roster import order
-from runtime.watching.table import columns, distance
+from runtime.watching.table import columns, distance, off
 
 _Z = 1.959964  # quantile of the normal distribution for a 95 % interval
 
@@ -43,7 +43,8 @@ class CampaignReport:
         reached, count = self._count("reached"), len(self.runs)
         low, high = wilson(reached, count)
         share = f"{100 * reached / count:.1f} %" if count else "none"
-        within = f"within {distance(self.deployment.tolerance)}"
+        turns = any(run.angle for run in self.runs)
+        within = f"within {off(*self.deployment.tolerance.limits(turns))}"
         return (
             f"{reached} of {count} runs ended {within} of the goal: {share}, "
             f"95 % interval {100 * low:.1f} to {100 * high:.1f} %"
@@ -53,8 +54,10 @@ class CampaignReport:
         """Return what was measured; without lines that have no samples."""
         faults = [fault for run in self.runs for fault in run.impact.faults]
         killed, hung = ([f for f in faults if f.action == action] for action in ("kill", "hang"))
+        angles = (run.angle or None for run in self.runs)
         lines = [
             _line("error at the end", (run.error for run in self.runs), distance),
+            _line("angle at the end", angles, lambda angle: f"{math.degrees(angle):.2f} deg"),
             self._gaps("gap in other agents' commands after a kill", (f.gap for f in killed)),
             self._gaps("gap in other agents' commands after a hang", (f.gap for f in hung)),
             _line("time until a kill was detected", (f.detected for f in killed), _ms),
@@ -134,7 +137,8 @@ def as_options(events: Iterable[ChaosEvent]) -> str:
 
 
 def _sentence(run: CampaignRun) -> str:
-    return f"seed {run.seed} {run.outcome}: {run.reason or f'{distance(run.error)} off at the end'}"
+    end = f"{off(run.error, run.angle)} off at the end"
+    return f"seed {run.seed} {run.outcome}: {run.reason or end}"
 
 
 def _ms(time: float) -> str:

@@ -1,10 +1,11 @@
 """A deployment: a robot, its processes and hosts, its goal, and its chaos schedule."""
 
+import math
 import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Literal, NamedTuple
+from typing import Annotated, ClassVar, Literal, NamedTuple
 
 import yaml
 
@@ -47,6 +48,29 @@ class ProcessSpec(NamedTuple):
 
 
 @dataclass(frozen=True, kw_only=True)
+class Tolerance:
+    """The largest errors at the end that count as reaching the goal; plain text is the first.
+
+    Attributes:
+        position: Distance of the hand from the goal [m].
+        orientation: Angle between the two [rad], where the goal has an orientation.
+    """
+
+    position: Annotated[float, Quantity("3 mm", "m", above=0)] = 0.003
+    orientation: Annotated[float, Quantity("1 deg", "rad", above=0, most=math.pi)] = math.pi / 180
+
+    short: ClassVar[str] = "position"
+
+    def allows(self, distance: float, angle: float) -> bool:
+        """Return whether a hand that is so far off [m, rad] has reached its goal."""
+        return distance <= self.position and angle <= self.orientation
+
+    def limits(self, turns: bool) -> tuple[float, float]:
+        """Return both [m, rad]; 0 for the angle where the goal has no orientation."""
+        return self.position, self.orientation if turns else 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
 class Deployment:
     """What the processes of one robot need to know to start.
 
@@ -55,7 +79,8 @@ class Deployment:
         description: Name of a robot that comes with MSMA, or path of a URDF file.
         period: Control period of the plant and the agents [s].
         duration: Duration of the run [s, plant time]; by default it runs until it is stopped.
-        tolerance: Largest error at the end that counts as reaching the goal [m].
+        tolerance: Largest errors at the end that count as reaching the goal, of the position and,
+            where the goal has one, of the orientation.
         seed: Seed of everything random.
         speed: Plant time per real time.
         patience: Processes end after this time without a message from the plant [s].
@@ -84,7 +109,7 @@ class Deployment:
     description: Description
     period: Annotated[float, Quantity("60 ms", "s", above=0, most=10)]
     duration: Annotated[float, Quantity("24 s", "s", above=0)] | None = None
-    tolerance: Annotated[float, Quantity("3 mm", "m", above=0)] = 0.003
+    tolerance: Tolerance
     seed: Annotated[int, Whole("1", least=0)] = 1
     speed: Annotated[float, Quantity("1", above=0)] = 1.0
     patience: Annotated[float, Quantity("10 s", "s", above=0)] = 10.0

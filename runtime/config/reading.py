@@ -8,6 +8,7 @@ which applies to all numbers of a tuple, or with a `Kind`.
 
 import inspect
 import math
+import typing
 from collections import ChainMap
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
@@ -213,6 +214,10 @@ def parameters_of(factory: Callable[..., Any]) -> tuple[Field, ...]:
     """
     found = []
     for name, parameter in inspect.signature(factory, eval_str=True).parameters.items():
+        if get_origin(parameter.annotation) is typing.Unpack:  # of a TypedDict of optional keys
+            (keys,) = get_args(parameter.annotation)
+            hints = get_type_hints(keys, include_extras=True)
+            found += [Field(key, kind_of(hint), None) for key, hint in hints.items()]
         if parameter.kind is not parameter.KEYWORD_ONLY:
             continue
         default = MISSING if parameter.default is parameter.empty else parameter.default

@@ -41,6 +41,11 @@ class GoalNode(Node):
         self._process.clock.seen(t, now)
         self.state = "runs" if t < self._path.end else "has reached the end of its path"
         goal = self._path.piece(t)
-        position, velocity = goal.position.tolist(), goal.velocity.tolist()
+        position, velocity = tuple(goal.position.tolist()), tuple(goal.velocity.tolist())
+        orientation, angular_velocity = (
+            None if row is None else tuple(row.tolist())
+            for row in (goal.orientation, goal.angular_velocity)
+        )
+        turning = orientation, angular_velocity, goal.free
         until = min(goal.until, LIMIT)
-        self._out.send(GoalMessage(t, tuple(position), tuple(velocity), goal.since, until))
+        self._out.send(GoalMessage(t, position, velocity, goal.since, until, *turning))

@@ -5,12 +5,13 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
+from msgspec.structs import replace
 
 from agents.agent import Array, Goal, Joints, Percepts
 from plant.robot import Robot
 from runtime.wire import topics
 from runtime.wire.arbitration import GoalInput, TopicInput
-from runtime.wire.messages import EndEffectorPose, JointStates, M, PlatformPose
+from runtime.wire.messages import EndEffectorPose, GoalMessage, JointStates, M, PlatformPose
 from runtime.wire.refusals import MessageError, Reason, Refusals
 from runtime.wire.samples import Sample
 from runtime.wire.topics import Topic
@@ -65,7 +66,7 @@ class Perception:
         inputs += [*self._sensors.values(), *self._goal.inputs.values()]
         self._inputs = {each.key: each for each in inputs}
         self._refusals = refusals
-        self._goal_known: tuple[tuple[object, ...], Goal] | None = None
+        self._goal_known: tuple[GoalMessage, Goal] | None = None
         self.t = 0.0  # plant time of the last message that calls for a decision [s]
 
     def accept(self, arrival: Sample, now: float) -> bool:
@@ -121,10 +122,14 @@ class Perception:
         message = self._goal.selected(now)
         if message is None:
             return None
-        piece = message.position, message.velocity, message.since, message.until
+        piece = replace(message, t=0.0, by=0, n=0)
         if self._goal_known is None or self._goal_known[0] != piece:
-            position, velocity, since, until = piece
-            goal = Goal(np.array(position), np.array(velocity), since, until)
+            position, velocity = np.array(piece.position), np.array(piece.velocity)
+            turn, rates = (
+                None if row is None else np.array(row)
+                for row in (piece.orientation, piece.angular_velocity)
+            )
+            goal = Goal(position, velocity, piece.since, piece.until, turn, rates, piece.free)
             self._goal_known = (piece, goal)
         return self._goal_known[1]
 

@@ -95,7 +95,8 @@ class MotionLog:
         self._unknown = (math.nan,) * robot.base_speeds
         self._line = (
             '{"wall": %.6f, "t": %.9g, "event": "tick", '
-            f'"hand": {many(3)}, "q": {many(robot.n)}, "qd": {many(robot.n)}, '
+            f'"hand": {many(3)}, "orientation": {many(4)}, '
+            f'"q": {many(robot.n)}, "qd": {many(robot.n)}, '
             f'"base": {many(3)}, "base_velocity": {many(robot.base_speeds)}, "age": [%s]}}'
         )
 
@@ -109,6 +110,7 @@ class MotionLog:
             time.time(),
             motion.t,
             *motion.position,
+            *scalar.quaternion(numbers(motion.rotation)),
             *motion.q,
             *motion.qd,
             *motion.base,
@@ -118,7 +120,8 @@ class MotionLog:
         return line if truth else line.replace("nan", "null")
 
     def _measured(self, readings: Readings) -> Truth:
-        t, q, qd, position, _, base, _ = readings
+        t, q, qd, position, rotation, base, _ = readings
         base = (0.0,) * 3 if base is None else numbers(base)
         hand = (math.nan,) * 3 if position is None else numbers(position)
-        return Truth(t, numbers(q), numbers(qd), base, self._unknown, hand, rotation=())
+        turned = (math.nan,) * 9 if rotation is None else numbers(rotation)
+        return Truth(t, numbers(q), numbers(qd), base, self._unknown, hand, turned)

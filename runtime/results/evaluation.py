@@ -6,11 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from agents.agent import Array
+from agents.markers import aim_at
+from agents.number import ONE
 from agents.paths import Path
 from plant.kinematics import Kinematics
 from plant.robot import Robot
-from runtime.config.deployment import Deployment
-from runtime.results.reach import smallest_distance
+from runtime.config.deployment import Deployment, Tolerance
+from runtime.results.reach import hand_error, smallest_error
 from runtime.results.run_log import RunLog
 
 SETTLING = 2.0
@@ -25,14 +27,18 @@ class Tracking:
     Attributes:
         final: Error at the end [m].
         worst: Largest error after the settling time [m].
+        final_angle: Error of the orientation at the end [rad]; 0 if any will do.
+        worst_angle: Largest error of the orientation after the settling time [rad].
         within: Share of the time after the settling time spent within the tolerance, 0 to 1.
         since: Plant time from which the error stayed within the tolerance [s]; None if it did not.
-        nearest: Smallest error that the arm could reach from the platform's last pose with all its
-            joints working [m]; None if the goal was reached.
+        nearest: Smallest distance from the goal's position that the arm could reach from the
+            platform's last pose with all its joints working [m]; None if the goal was reached.
     """
 
     final: float
     worst: float
+    final_angle: float
+    worst_angle: float
     within: float
     since: float | None
     nearest: float | None
@@ -87,17 +93,12 @@ class Evaluation:
     by_sensors: bool = False
 
 
-def goals(path: Path, t: Array) -> Array:
-    """Return the goal positions [m] of a path at plant times `t` [s], (m,): (m, 3)."""
-    positions = np.empty((len(t), 3))
-    for row, each in zip(positions, t.tolist(), strict=True):
-        row[:] = path.piece(each).at(each)
-    return positions
-
-
 def errors(log: RunLog, path: Path) -> Array:
-    """Return the distance of the hand from the path's goal at each state [m], (m,)."""
-    error: Array = np.linalg.norm(log.hand - goals(path, log.t), axis=-1)
+    """Return how far the hand is off the path's goal at each state, (m, 2): see `HandError`."""
+    error = np.empty((len(log.t), 2))
+    states = zip(log.t.tolist(), log.hand.tolist(), log.orientation.tolist(), strict=True)
+    for row, (t, hand, orientation) in zip(error, states, strict=True):
+        row[:] = hand_error(hand, orientation, aim_at(ONE, path.piece(t), t))
     return error
 
 
@@ -105,7 +106,7 @@ def evaluate(log: RunLog, deployment: Deployment) -> Evaluation:
     """Evaluate a run."""
     robot = deployment.description.robot
     tracking = None
-    if deployment.goal is not None and not np.isnan(log.hand).all():
+    if deployment.goal is not None:
         tracking = _tracking(log, deployment.goal.build(), deployment.tolerance, robot)
     return Evaluation(
         t=float(log.t[-1]),
@@ -119,22 +120,27 @@ def evaluate(log: RunLog, deployment: Deployment) -> Evaluation:
     )
 
 
-def _tracking(log: RunLog, path: Path, tolerance: float, robot: Robot) -> Tracking:
+def _tracking(log: RunLog, path: Path, tolerance: Tolerance, robot: Robot) -> Tracking | None:
     error = errors(log, path)
-    seen = ~np.isnan(error)
+    seen = ~np.isnan(error).any(axis=-1)
+    if not seen.any():
+        return None
     error, t = error[seen], log.t[seen]
     settled = t >= min(SETTLING, t[-1])
-    outside = np.flatnonzero(error > tolerance)
+    near = (error <= (tolerance.position, tolerance.orientation)).all(axis=-1)
+    outside = np.flatnonzero(~near)
     first = int(outside[-1]) + 1 if len(outside) else 0
-    reached = error[-1] <= tolerance
-    goal = goals(path, log.t[-1:])[0]
+    place = aim_at(ONE, path.piece(log.t[-1]), log.t[-1])._replace(turn=None)
     q = np.nan_to_num(log.q[-1])  # of a lost encoder any angle will do
+    final, worst = error[-1].tolist(), error[settled].max(axis=0).tolist()
     return Tracking(
-        final=float(error[-1]),
-        worst=float(error[settled].max()),
-        within=float(np.mean(error[settled] <= tolerance)),
-        since=float(t[first]) if first < len(error) else None,
-        nearest=None if reached else smallest_distance(robot, goal, log.base[-1], q),
+        final=final[0],
+        worst=worst[0],
+        final_angle=final[1],
+        worst_angle=worst[1],
+        within=float(np.mean(near[settled])),
+        since=float(t[first]) if first < len(t) else None,
+        nearest=None if near[-1] else smallest_error(robot, place, log.base[-1], q).distance,
     )
 
 

@@ -1,5 +1,6 @@
 """A plot of a run: the paths of hand and platform, and the error with the faults marked."""
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from textwrap import shorten
@@ -11,13 +12,14 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
 from agents.agent import Array
-from runtime.config.deployment import Deployment
-from runtime.results.evaluation import goals
+from runtime.config.deployment import Deployment, Tolerance
+from runtime.results.evaluation import errors
 from runtime.results.outcome import RunEvent
 from runtime.results.run_log import RunLog
 
 # The colour-blind safe palette of Okabe and Ito
 _HAND, _GOAL, _PLATFORM, _CHAOS = "#0072B2", "#000000", "#E69F00", "#D55E00"
+_ANGLE = "#CC79A7"
 _HEADINGS = 13  # arrows along the platform's path
 _POINTS = 2000  # enough for a line of this length
 _LONGEST = 48  # characters of an event label
@@ -26,7 +28,8 @@ _LONGEST = 48  # characters of an event label
 def draw(log: RunLog, deployment: Deployment, events: Sequence[RunEvent], file: Path) -> None:
     """Write the plot of a run as PNG."""
     thin = np.unique(np.linspace(0, len(log.t) - 1, _POINTS).astype(int))
-    goal = None if deployment.goal is None else goals(deployment.goal.build(), log.t)
+    path = None if deployment.goal is None else deployment.goal.build()
+    goal = None if path is None else np.array([path.piece(t).at(t) for t in log.t[thin].tolist()])
     figure = Figure(figsize=(10, 7), layout="constrained")
     FigureCanvasAgg(figure)
     figure.suptitle(f"{deployment.robot}: {log.t[-1]:g} s at a period of {deployment.period:g} s")
@@ -35,13 +38,13 @@ def draw(log: RunLog, deployment: Deployment, events: Sequence[RunEvent], file: 
     above = figure.add_subplot(grid[0, 1])
     above.plot(log.t[thin], log.hand[thin, 2], color=_HAND, lw=2.5, label="hand")
     if goal is not None:
-        above.plot(log.t[thin], goal[thin, 2], color=_GOAL, ls="--", lw=1, label="goal")
+        above.plot(log.t[thin], goal[:, 2], color=_GOAL, ls="--", lw=1, label="goal")
     above.set(ylabel="height [m]")
     above.legend()
     below = figure.add_subplot(grid[1, 1], sharex=above)
-    if goal is not None:
-        _draw_error(below, log.t, np.linalg.norm(log.hand - goal, axis=-1), deployment.tolerance)
     below.set(xlabel="plant time [s]", ylabel="error of the hand [mm]")
+    if path is not None:
+        _draw_errors(below, log.t, errors(log, path), deployment.tolerance)
     _mark(above, below, events, float(log.t[-1]))
     figure.savefig(file, dpi=110)
 
@@ -51,7 +54,7 @@ def _draw_above(axes: Axes, log: RunLog, thin: Array, goal: Array | None) -> Non
     hand, base = log.hand[thin], log.base[thin]
     axes.plot(*hand[:, :2].T, color=_HAND, lw=2.5, label="hand")
     if goal is not None:
-        axes.plot(*goal[thin, :2].T, color=_GOAL, ls="--", lw=1, label="goal")
+        axes.plot(*goal[:, :2].T, color=_GOAL, ls="--", lw=1, label="goal")
     if np.any(base != base[0]):
         axes.plot(*base[:, :2].T, color=_PLATFORM, label="platform and heading")
         x, y, heading = base[np.linspace(0, len(base) - 1, _HEADINGS).astype(int)].T
@@ -63,21 +66,29 @@ def _draw_above(axes: Axes, log: RunLog, thin: Array, goal: Array | None) -> Non
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.09), ncols=3, frameon=False)
 
 
-def _draw_error(axes: Axes, t: Array, error: Array, tolerance: float) -> None:
-    shown = np.maximum(1e3 * error, 1e-3)
-    axes.semilogy(t, shown, color=_HAND, lw=1)
-    axes.set_ylim(shown.min() / 1.5, 8 * max(shown.max(), 1e3 * tolerance))  # room for labels
+def _draw_errors(axes: Axes, t: Array, error: Array, tolerance: Tolerance) -> None:
+    """Plot the errors (m, 2) and their tolerances; of the angle only if it matters."""
+    turns = bool(error[:, 1].any())
+    if turns:
+        axes.set_ylabel("error of the hand [mm], of its orientation [deg]")
+    units = ("mm", 1e3, _HAND), ("deg", math.degrees(1), _ANGLE)
+    for values, limit, one in zip(error.T, tolerance.limits(turns), units, strict=True):
+        unit, per_si, color = one
+        if limit:
+            axes.semilogy(t, np.maximum(per_si * values, 1e-3), color=color, lw=1)
+            axes.axhline(per_si * limit, color=color, ls=":", lw=1)
+            axes.annotate(
+                f"tolerance {per_si * limit:g} {unit}",
+                (1, per_si * limit),
+                xycoords=("axes fraction", "data"),
+                ha="right",
+                va="bottom",
+                color=color,
+                fontsize="small",
+            )
+    axes.set_ylim(top=8 * axes.get_ylim()[1])  # room for labels
     axes.yaxis.set_major_formatter("{x:g}")
     axes.yaxis.set_minor_formatter(NullFormatter())
-    axes.axhline(1e3 * tolerance, color=_GOAL, ls=":", lw=1)
-    axes.annotate(
-        f"tolerance {1e3 * tolerance:g} mm",
-        (1, 1e3 * tolerance),
-        xycoords=("axes fraction", "data"),
-        ha="right",
-        va="bottom",
-        fontsize="small",
-    )
 
 
 def _mark(above: Axes, below: Axes, events: Sequence[RunEvent], end: float) -> None:

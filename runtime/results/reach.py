@@ -1,33 +1,51 @@
 """How near an arm can come to a goal, by geometry alone: with any controller, in any time."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
+from math import dist
+from typing import NamedTuple
 
 import numpy as np
 
-from agents.agent import Array
-from plant.kinematics import Kinematics
+from agents.agent import Array, Body
+from agents.laws import LEVER, reach_of
+from agents.markers import Aim, Off, angle_off, best_step, cost, turned_against
+from agents.number import MANY, ONE
+from plant.kinematics import Kinematics, quaternion
 from plant.robot import Robot
 
 _STARTS = 64
 _SWEEPS = 60
 
 
-def smallest_distance(
+class HandError(NamedTuple):
+    """How far a hand is off its goal: the distance [m], and the angle [rad], 0 if any will do."""
+
+    distance: float
+    angle: float
+
+
+def hand_error(position: Sequence[float], orientation: Sequence[float], aim: Aim) -> HandError:
+    """Return how far a hand at x, y, z [m], with quaternion x, y, z, w, is off its aim."""
+    x, y, z, w = orientation
+    return HandError(dist(position, aim.place), angle_off(ONE, (w, x, y, z), aim))
+
+
+def smallest_error(
     robot: Robot,
-    goal: Array,
+    aim: Aim,
     base: Array,
     q: Array,
     *,
     stuck: Collection[int] = (),
     roams: bool = False,
-) -> float:
-    """Return the smallest distance [m] between hand and goal that the arm can reach.
+) -> HandError:
+    """Return the smallest error of the hand that the arm can reach.
 
     Cyclic coordinate descent, from `q` and from random postures.
 
     Args:
         robot: The robot.
-        goal: Position in the world [m], (3,).
+        aim: Where the hand should be, in the world.
         base: x, y [m] and heading [rad] of the platform in the world, (3,).
         q: Joint positions [rad or m], (n,).
         stuck: Indices (from 0) of the joints that stay where they are in `q`.
@@ -38,29 +56,23 @@ def smallest_distance(
     lower, upper = np.maximum(robot.lower, -np.pi), np.minimum(robot.upper, np.pi)
     postures = np.vstack([q, rng.uniform(lower, upper, (_STARTS - 1, robot.n))])
     postures[:, list(stuck)] = q[list(stuck)]
-    base = np.tile(base, (_STARTS, 1))
+    base, goal = np.tile(base, (_STARTS, 1)), np.array(aim.place)
+    lever2 = (LEVER * reach_of(Body(robot, None, period=0.0, seed=0))) ** 2
     for _ in range(_SWEEPS):
         if roams:
             base[:, :2] += (goal - kinematics.forward(postures, base).tip)[:, :2]
         for joint in set(range(robot.n)) - set(stuck):
             pose = kinematics.forward(postures, base)
-            axis, point = pose.axes[:, joint], pose.points[:, joint]
-            if robot.joints[joint].slides:
-                step: Array = np.sum(axis * (goal - pose.tip), axis=-1)
-            else:
-                step = _turn(axis, pose.tip - point, goal - point)
-            moved = postures[:, joint] + step
+            off = Off(pose.tip_parts, turned_against(MANY, pose.rotation_parts, aim))
+            axis, point = pose.axis_parts(joint), pose.point_parts(joint)
+            slides = robot.joints[joint].slides
+            moved = postures[:, joint] + best_step(
+                MANY, off, aim.place, lever2, axis, point, slides
+            )
             postures[:, joint] = np.clip(moved, robot.lower[joint], robot.upper[joint])
     if roams:
         base[:, :2] += (goal - kinematics.forward(postures, base).tip)[:, :2]
-    misses = np.linalg.norm(kinematics.forward(postures, base).tip - goal, axis=-1)
-    return float(misses.min())
-
-
-def _turn(axis: Array, arm: Array, wanted: Array) -> Array:
-    """Return the angle (...) about `axis` that brings `arm` nearest to `wanted`, all (..., 3)."""
-    sine = np.sum(axis * np.cross(arm, wanted), axis=-1)
-    along = np.sum(axis * arm, axis=-1) * np.sum(axis * wanted, axis=-1)
-    cosine = np.sum(arm * wanted, axis=-1) - along
-    turn: Array = np.arctan2(sine, cosine)
-    return turn
+    pose = kinematics.forward(postures, base)
+    off = Off(pose.tip_parts, turned_against(MANY, pose.rotation_parts, aim))
+    best = int(cost(off, aim.place, lever2).argmin())
+    return hand_error(pose.tip[best].tolist(), quaternion(pose.rotation[best]).tolist(), aim)

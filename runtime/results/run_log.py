@@ -36,6 +36,7 @@ class RunLog:
             holonomic one also lateral [m/s], (m, 3).
         age: Age of the command in force when the step to that state began [s], for each joint and
             then the platform, (m, k); NaN where none was in force.
+        orientation: Of the hand in the world, unit quaternions x, y, z, w, (m, 4).
         events: All other lines, as they were written.
     """
 
@@ -46,6 +47,7 @@ class RunLog:
     base: Array
     base_velocity: Array
     age: Array
+    orientation: Array
     events: Sequence[Mapping[str, Any]]
 
     @property
@@ -94,6 +96,7 @@ class _Tick(msgspec.Struct):
     base: list[float | None]
     base_velocity: list[float | None]
     age: list[float | None]
+    orientation: tuple[float | None, ...] = (None,) * 4  # an older log has none
 
 
 def read_run_log(run: Path) -> RunLog:
@@ -110,7 +113,7 @@ def read_run_log(run: Path) -> RunLog:
                     columns["age"].extend([math.nan] * len(tick.age) * len(columns["t"]))
                 for name, numbers in columns.items():
                     value = getattr(tick, name)
-                    row = value if isinstance(value, list) else [value]
+                    row = value if isinstance(value, list | tuple) else [value]
                     numbers.extend([math.nan if x is None else x for x in row])
                 continue
             event: Mapping[str, Any] = msgspec.json.decode(line)
@@ -122,5 +125,4 @@ def read_run_log(run: Path) -> RunLog:
     if count == 0:
         raise RunLogError(f"the plant logged no motion in {run / file_name(PLANT)}.jsonl")
     t, wall, *flat = (np.frombuffer(numbers, np.float64) for numbers in columns.values())
-    hand, q, base, base_velocity, age = (numbers.reshape(count, -1) for numbers in flat)
-    return RunLog(t, wall, hand, q, base, base_velocity, age, events)
+    return RunLog(t, wall, *(numbers.reshape(count, -1) for numbers in flat), events=events)

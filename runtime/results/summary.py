@@ -10,13 +10,13 @@ from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from runtime.config.deployment import Deployment
+from runtime.config.deployment import Deployment, Tolerance
 from runtime.processes.lifetime import FAILED, INTERRUPTED, OK
 from runtime.results.evaluation import SETTLING, Evaluation, Tracking, evaluate
 from runtime.results.logs import read_log
 from runtime.results.outcome import RunEvent, RunOutcome
 from runtime.results.run_log import RunLog, RunLogError, read_run_log
-from runtime.watching.table import columns, distance, milliseconds
+from runtime.watching.table import columns, distance, milliseconds, off
 from runtime.wire.messages import Spread
 from runtime.wire.topics import PLANT
 
@@ -51,7 +51,7 @@ class Summary:
 
     Attributes:
         code: The exit code of the launcher.
-        tolerance: Largest error at the end that counts as reaching the goal [m].
+        tolerance: Largest errors at the end that count as reaching the goal.
         evaluation: How well it went; None if the plant logged no motion.
         events: Faults, failures and restarts, in the order of plant time.
         again: The command that repeats the run.
@@ -60,7 +60,7 @@ class Summary:
     robot: str
     code: int
     headline: str
-    tolerance: float
+    tolerance: Tolerance
     evaluation: Evaluation | None
     events: tuple[RunEvent, ...]
     processes: tuple[ProcessSummary, ...]
@@ -70,6 +70,7 @@ class Summary:
     def to_json(self) -> str:
         """Return the summary for programs, in SI units."""
         plain = asdict(self) | {"events": [one._asdict() for one in self.events]}
+        plain["tolerance"], plain["orientation_tolerance"] = self.tolerance.limits(True)
         for process in plain["processes"]:
             process["answer"] = process["answer"] and process["answer"]._asdict()
         return json.dumps(plain, indent=2, default=str) + "\n"
@@ -85,8 +86,10 @@ class Summary:
     def _facts(self) -> Iterator[tuple[str, str]]:
         if self.evaluation is not None:
             if hand := self.evaluation.tracking:
-                yield "  hand", f"{distance(hand.worst)} off at worst after {SETTLING:g} s"
-                within = f"within {distance(self.tolerance)} for {100 * hand.within:.1f} %"
+                worst = off(hand.worst, hand.worst_angle)
+                yield "  hand", f"{worst} off at worst after {SETTLING:g} s"
+                limits = off(*self.tolerance.limits(hand.worst_angle > 0))
+                within = f"within {limits} for {100 * hand.within:.1f} %"
                 good = "" if hand.since is None else f", for good since {hand.since:.2f} s"
                 yield "", f"{within} of that time{good}"
             if self.evaluation.by_sensors:
@@ -203,14 +206,16 @@ def _of_share(host: str, outcome: RunOutcome) -> tuple[int, str]:
     return OK, f"the share of {host} ran to {t:.2f} s; the plant's host evaluates the run"
 
 
-def _reached(tracking: Tracking, t: float, tolerance: float) -> tuple[int, str]:
-    off = f"the hand is {distance(tracking.final)} off at {t:.2f} s"
+def _reached(tracking: Tracking, t: float, tolerance: Tolerance) -> tuple[int, str]:
+    turns = tracking.worst_angle > 0
+    hand = f"the hand is {off(tracking.final, tracking.final_angle)} off at {t:.2f} s"
     if tracking.nearest is None:
-        return OK, f"goal reached: {off}, within {distance(tolerance)}"
-    why = ", though the arm could reach it"
-    if tracking.nearest > tolerance:
-        why = f"; it is {distance(tracking.nearest)} out of reach"
-    return MISSED, f"goal missed: {off}{why} from where the platform is"
+        return OK, f"goal reached: {hand}, within {off(*tolerance.limits(turns))}"
+    if tracking.nearest > tolerance.position:
+        hand += f"; it is {distance(tracking.nearest)} out of reach from where the platform is"
+    elif not turns:  # whether an orientation is in reach is not known
+        hand += ", though the arm could reach it from where the platform is"
+    return MISSED, f"goal missed: {hand}"
 
 
 def _logged(deployment: Deployment, run: Path, log: RunLog | None) -> Iterator[RunEvent]:

@@ -1,5 +1,6 @@
 """The table of processes as text, for terminals, pipes and summaries alike."""
 
+import math
 import os
 import sys
 from collections.abc import Sequence
@@ -49,6 +50,11 @@ def distance(metres: float | None) -> str:
     if metres is None:
         return "-"
     return f"{1e3 * metres:.2f} mm" if abs(metres) < 0.1 else f"{metres:.3f} m"
+
+
+def off(metres: float | None, radians: float = 0.0) -> str:
+    """Return how far a hand is off: its distance, and its angle unless that is 0."""
+    return distance(metres) + (f" and {math.degrees(radians):.2f} deg" if radians else "")
 
 
 def say(text: str) -> None:

@@ -7,7 +7,7 @@ A message that `unpack` returns is sound: the right types and lengths, finite, w
 import math
 from collections.abc import Iterable, Mapping
 from operator import methodcaller
-from typing import Annotated, Any, NamedTuple, TypeVar
+from typing import Annotated, Any, Literal, NamedTuple, TypeVar
 
 import msgpack
 from msgspec import Meta, Struct, ValidationError, convert, field, to_builtins
@@ -45,6 +45,7 @@ Count = Annotated[int, Meta(ge=0, le=2**63 - 1)]
 _three, _four = Meta(min_length=3, max_length=3), Meta(min_length=4, max_length=4)
 Position = Annotated[tuple[Metres, ...], _three]
 Velocity = Annotated[tuple[MetresPerSecond, ...], _three]
+AngularVelocity = Annotated[tuple[RadiansPerSecond, ...], _three]
 Quaternion = Annotated[tuple[Number, ...], _four]
 _any_length = Meta(min_length=1, max_length=MOST_NUMBERS)
 
@@ -84,9 +85,7 @@ class EndEffectorPose(Message, frozen=True, gc=False):
     orientation: Quaternion
 
     def check(self) -> None:
-        x, y, z, w = self.orientation
-        if not abs(x * x + y * y + z * z + w * w - 1) < 1e-3:
-            raise MessageError(Reason.NOT_UNIT, f"orientation is {self.orientation}")
+        check_unit(self.orientation)
 
 
 class JointStates(Message, frozen=True, gc=False):
@@ -127,16 +126,28 @@ class PlatformCommand(Message, frozen=True, gc=False, omit_defaults=True):
     lateral: MetresPerSecond = 0.0
 
 
-class GoalMessage(Message, frozen=True, gc=False):
-    """A piece of path: the goal's position at plant time `since`, and its velocity.
+class GoalMessage(Message, frozen=True, gc=False, omit_defaults=True):
+    """A piece of path: the goal's position at plant time `from`, and its velocity.
 
     It stands still from plant time `until` on.
+
+    Attributes:
+        orientation: Unit quaternion x, y, z, w at plant time `from`; without one, any will do.
+        angular_velocity: In the world, with which the orientation turns.
+        free: What of the orientation does not matter all the same; `roll` is about the hand's z.
     """
 
     position: Position
     velocity: Velocity
     since: Seconds = field(name="from")
     until: Seconds
+    orientation: Quaternion | None = None
+    angular_velocity: AngularVelocity | None = None
+    free: Literal["nothing", "roll", "all"] = "nothing"
+
+    def check(self) -> None:
+        if self.orientation is not None:
+            check_unit(self.orientation)
 
 
 class Spread(NamedTuple):
@@ -187,6 +198,13 @@ class Diag(Message, frozen=True, gc=False):
 def nil_for_nan(numbers: Iterable[float]) -> tuple[float | None, ...]:
     """Return numbers as they travel, where None stands for one that is lost."""
     return tuple([None if one != one else one for one in numbers])
+
+
+def check_unit(quaternion: tuple[float, ...]) -> None:
+    """Raise `MessageError` unless it is a unit quaternion."""
+    x, y, z, w = quaternion
+    if not abs(x * x + y * y + z * z + w * w - 1) < 1e-3:
+        raise MessageError(Reason.NOT_UNIT, f"orientation is {quaternion}")
 
 
 def check_printable(*texts: str) -> None:

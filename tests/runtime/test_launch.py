@@ -1,5 +1,6 @@
 """The main job with real processes: launched, killed on the way, judged, and none left over."""
 
+import math
 import os
 import re
 import signal
@@ -33,6 +34,17 @@ def test_the_paper_s_task_is_done_and_nothing_is_left_but_the_record(robot: Robo
     files = {path.name for path in robot.run_folder.iterdir()}
     assert {"deployment.yaml", "summary.json", "path.png", "plant.jsonl", "joint-6.jsonl"} <= files
     assert (robot.run_folder / "path.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_cup_stays_upright_along_the_paper_s_path(robot: Robot) -> None:
+    code, said = robot.run(*SPEED, file="arph-pose.yaml")
+    assert code == 0, said
+    assert re.search(r"goal reached: the hand is \S+ mm and \S+ deg off at 24.00 s, within", said)
+    tracking = robot.summary["evaluation"]["tracking"]
+    assert 0.0 < tracking["final_angle"] < math.radians(1)
+    assert tracking["within"] > 0.8
+    tick = robot.log("plant", "tick")[-1]
+    assert len(tick["orientation"]) == 4
 
 
 def test_all_move_at_once_show_their_roles_and_have_sessions_of_their_own(robot: Robot) -> None:

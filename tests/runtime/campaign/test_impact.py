@@ -32,7 +32,7 @@ def run_log(silent: dict[int, tuple[float, float]], off: float = 0.0) -> RunLog:
         quiet = (began > since) & (began < until)
         ages[quiet, column] = began[quiet] - since
     few = np.zeros((len(t), 6))
-    return RunLog(t, WALL + t / 2, hand, few, few[:, :3], few[:, :2], ages, [])
+    return RunLog(t, WALL + t / 2, hand, few, few[:, :3], few[:, :2], ages, few[:, :4], [])
 
 
 def write_log(run: Path, role: str, *lines: dict[str, Any]) -> None:

@@ -11,12 +11,14 @@ import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from agents.markers import aim_at
+from agents.number import ONE
 from agents.paths import CsvPath, Line
 from runtime.config.chaos import ChaosEvent
 from runtime.config.deployment import Deployment, load
 from runtime.config.overrides import Override
 from runtime.config.tree import ConfigError
-from runtime.results.reach import smallest_distance
+from runtime.results.reach import smallest_error
 from tests.runtime.own_agents import Nudge
 
 ROOT = Path(__file__).parents[3]
@@ -102,14 +104,21 @@ def test_the_goal_of_what_is_shipped_is_within_reach_to_its_end(file: Path) -> N
     assert deployment.goal is not None
     assert deployment.duration is not None
     path, robot = deployment.goal.build(), deployment.description.robot
-    goal, q = path.piece(deployment.duration).at(deployment.duration), deployment.start.joints
-    base = np.array(deployment.start.base)
+    aim = aim_at(ONE, path.piece(deployment.duration), deployment.duration)
+    base, q = np.array(deployment.start.base), np.array(deployment.start.joints)
     roams = robot.drive is not None
-    assert smallest_distance(robot, goal, base, np.array(q), roams=roams) < deployment.tolerance
+    assert deployment.tolerance.allows(*smallest_error(robot, aim, base, q, roams=roams))
 
 
 def test_files_are_shipped() -> None:
-    assert {file.stem for file in FILES} >= {"arph", "arph-1khz", "arph-faults", "planar5"}
+    stems = {file.stem for file in FILES}
+    assert stems >= {
+        "arph",
+        "arph-1khz",
+        "arph-faults",
+        "arph-pose",
+        "planar5",
+    }
 
 
 def test_a_value_is_read_in_si() -> None:
@@ -185,6 +194,53 @@ def test_the_path_is_built_from_its_parameters() -> None:
     path = goal.build()
     assert isinstance(path, Line)
     assert path.piece(0.0).at(10.0) == pytest.approx([0.2, -0.88, 0.99])
+
+
+def test_a_path_in_a_file_may_have_an_orientation() -> None:
+    line = "class: agents.paths:Line"
+    turning = "rpy: [0, 90 deg, 0]\n  angular_velocity: [0, 0, 10 deg/s]\n  free: roll"
+    deployment = read(GOOD.replace(line, f"{line}\n  {turning}"))
+    assert deployment.goal is not None
+    piece = deployment.goal.build().piece(0.0)
+    assert piece.orientation == pytest.approx([0.0, 0.5**0.5, 0.0, 0.5**0.5])
+    assert piece.angular_velocity == pytest.approx([0.0, 0.0, np.pi / 18])
+    assert piece.free == "roll"
+    write(deployment.dump(), "dump.yaml")
+    assert load("dump.yaml") == deployment
+
+
+@pytest.mark.parametrize(
+    ("more", "says"),
+    [
+        ("rpy: [0, 90, deg]", "x.yaml:11:15: goal.rpy.2: 'deg' is not an angle; write one such"),
+        ("rpy: [0, 1 m, 0]", "x.yaml:11:12: goal.rpy.1: 1 m is a length; an angle is wanted"),
+        ("orientation: [0, 0, 1]", "x.yaml:11:16: goal.orientation: expected 4 values, got 3"),
+        ("orientation: [0, 0, 1, 1]", "x.yaml:11:16: goal.orientation: a unit quaternion x, y,"),
+        ("free: roll", "x.yaml:11:9: goal.free: needs an orientation too, such as rpy: [0, 90"),
+        ("free: yaw", "x.yaml:11:9: goal.free: 'yaw' is not a valid choice; valid are nothing, r"),
+        ("rpi: [0, 0, 0]", "x.yaml:11:3: goal: unknown key 'rpi'; did you mean 'rpy'? valid are"),
+    ],
+)
+def test_a_bad_orientation_is_refused_where_it_is_written(more: str, says: str) -> None:
+    line = "class: agents.paths:Line"
+    assert refused(GOOD.replace(line, f"{line}\n  {more}")).startswith(says)
+
+
+@pytest.mark.parametrize(
+    ("text", "position", "orientation"),
+    [
+        ("3 mm", 0.003, 1.0),
+        ("{position: 5 mm}", 0.005, 1.0),
+        ("{orientation: 2 deg}", 0.003, 2.0),
+        ("{position: 1 cm, orientation: 0.5 deg}", 0.01, 0.5),
+    ],
+)
+def test_a_tolerance_is_of_the_position_and_of_the_orientation(
+    text: str, position: float, orientation: float
+) -> None:
+    tolerance = read(f"{GOOD}tolerance: {text}\n").tolerance
+    assert tolerance.position == position
+    assert np.degrees(tolerance.orientation) == pytest.approx(orientation)
 
 
 def test_paths_in_a_file_are_relative_to_it(folder: Path) -> None:
@@ -275,7 +331,7 @@ OVERRIDES = {
     "robot": quoted(st.from_regex("[A-Za-z0-9][A-Za-z0-9_-]{0,20}", fullmatch=True)),
     "period": quoted(lengths(0, 10)),
     "duration": st.one_of(quoted(st.floats(9, 1e6)), st.just("null")),
-    "tolerance": quoted(lengths(0, 1e9)),
+    "tolerance": st.one_of(quoted(lengths(0, 1e9)), st.just("{orientation: 2 deg}")),
     "seed": quoted(st.integers(0, 10**40)),
     "speed": quoted(lengths(0, 1e3)),
     "port": quoted(st.integers(1024, 65408)),

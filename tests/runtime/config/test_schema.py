@@ -45,5 +45,7 @@ def test_a_quantity_out_of_bounds_or_without_number_is_refused(value: Any) -> No
 def test_the_schema_tells_what_each_key_is_and_what_it_is_by_default() -> None:
     properties = schema(Deployment)["properties"]
     assert all(entry.get("description") for entry in properties.values())
-    assert properties["tolerance"]["default"] == "0.003 m"
+    assert properties["patience"]["default"] == "10.0 s"
+    _, both = properties["tolerance"]["anyOf"]
+    assert both["properties"]["position"]["default"] == "0.003 m"
     assert kind_of(Deployment).such_as == "{robot: arph, ...}"

@@ -22,7 +22,7 @@ def deeds(robot: Robot, *actions: str) -> list[tuple[str, str]]:
 def final_error(robot: Robot) -> float:
     path = load(ROOT / "deploy" / "arph.yaml").goal
     assert path is not None
-    return float(errors(read_run_log(robot.run_folder), path.build())[-1])
+    return float(errors(read_run_log(robot.run_folder), path.build())[-1, 0])
 
 
 def test_each_is_hung_once_and_the_hand_gets_there(robot: Robot) -> None:

@@ -70,6 +70,24 @@ def test_all_that_is_fresh_is_perceived(agent: Agent) -> None:
     assert percepts.goal.at(2.5) == pytest.approx(np.array([1.0, 2.0, 3.2]))
 
 
+def test_a_goal_with_an_orientation_is_perceived_with_it(agent: Agent) -> None:
+    turning = replace(GOAL, orientation=(0.6, 0.0, 0.8, 0.0), angular_velocity=(0.0, 0.0, 0.1))
+    for message in (GOAL, STATES, turning, replace(turning, free="roll")):
+        agent.hears(message, at=10.0)
+    goal = agent.sees(10.1).goal
+    assert goal is not None
+    assert goal.orientation is not None
+    assert goal.angular_velocity is not None
+    np.testing.assert_array_equal(goal.orientation, [0.6, 0.0, 0.8, 0.0])
+    np.testing.assert_array_equal(goal.angular_velocity, [0.0, 0.0, 0.1])
+    assert goal.free == "roll"
+    assert agent.sees(10.1).goal is goal, "it is made anew only when something is new"
+    agent.hears(GOAL, at=10.1)
+    goal = agent.sees(10.1).goal
+    assert goal is not None
+    assert (goal.orientation, goal.angular_velocity, goal.free) == (None, None, "nothing")
+
+
 def test_a_newcomer_perceives_the_goal_that_the_plant_knows(agent: Agent) -> None:
     agent.hears(STATES, at=10.0)
     assert not agent.senses.accept(Sample(topics.KNOWN_GOAL, pack(replace(GOAL, n=1))), 10.0)

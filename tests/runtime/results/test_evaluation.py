@@ -1,7 +1,9 @@
 """The evaluation of runs, from logs made for the purpose."""
 
+import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -9,12 +11,15 @@ import numpy as np
 import pytest
 
 from agents.agent import Array
+from agents.attitude import rotation_by
+from agents.markers import Aim
 from plant.kinematics import Kinematics
-from runtime.config.deployment import Deployment, load
+from runtime.config.deployment import Deployment, Tolerance, load
 from runtime.processes.lifetime import FAILED, INTERRUPTED, OK
-from runtime.results.evaluation import evaluate, goals
+from runtime.results.evaluation import evaluate
 from runtime.results.outcome import RunOutcome
-from runtime.results.reach import smallest_distance
+from runtime.results.plots import draw
+from runtime.results.reach import smallest_error
 from runtime.results.run_log import RunLog, RunLogError, read_run_log
 from runtime.results.summary import MISSED, Summary, summarise
 from runtime.watching.watcher import View
@@ -35,17 +40,23 @@ def run_log(
     speed: float = 0.1,
     until: float = 24.0,
     end: Mapping[str, Any] = ENDED,
+    turned: Sequence[float] = (0.0, 0.0, 0.0),
 ) -> RunLog:
-    """Make the log of a hand that is `off` [m] sideways from its goal, at each of the states."""
+    """Make the log of a hand that is `off` [m] sideways from its goal, at each of the states.
+
+    It is turned from upright by the vector `turned` [rad].
+    """
     assert deployment.goal is not None
     t = np.arange(0.0, until + 1e-9, 0.06)
-    hand = goals(deployment.goal.build(), t)
+    path = deployment.goal.build()
+    hand = np.array([path.piece(each).at(each) for each in t])
     hand[:, 0] += off
     m = len(t)
     q = np.tile(deployment.start.joints, (m, 1))
     base = np.tile(deployment.start.base, (m, 1))
     ages = np.zeros((m, 7))
-    return RunLog(t, t + 1e9, hand, q, base, np.tile([speed, 0.0], (m, 1)), ages, [end])
+    turns = np.tile(rotation_by(np.array(turned)), (m, 1))
+    return RunLog(t, t + 1e9, hand, q, base, np.tile([speed, 0.0], (m, 1)), ages, turns, [end])
 
 
 def outcome(
@@ -148,13 +159,80 @@ def test_a_goal_that_the_arm_reaches_is_found_to_be_within_reach(deployment: Dep
     start = np.array(deployment.start.joints)
     lower, upper = np.maximum(robot.lower, -math.pi), np.minimum(robot.upper, math.pi)
     for q in rng.uniform(lower, upper, (5, robot.n)):
-        goal = Kinematics(robot).forward(q, base).tip
-        assert smallest_distance(robot, goal, base, start) < 1e-3
+        aim = Aim(tuple(Kinematics(robot).forward(q, base).tip.tolist()), None, False)
+        assert smallest_error(robot, aim, base, start).distance < 1e-3
 
 
 def test_the_distance_of_a_goal_beyond_the_stretched_arm_is_found(deployment: Deployment) -> None:
     robot = deployment.description.robot
     start = np.array(deployment.start.joints)
-    shoulder = Kinematics(robot).forward(start).points[1]
-    goal = shoulder + np.array([5.0, 0.0, 0.0])
-    assert smallest_distance(robot, goal, np.zeros(3), start) == pytest.approx(5.0 - 0.88, abs=0.02)
+    x, y, z = Kinematics(robot).forward(start).points[1].tolist()
+    found = smallest_error(robot, Aim((x + 5.0, y, z), None, False), np.zeros(3), start)
+    assert found == pytest.approx((5.0 - 0.88, 0.0), abs=0.02)
+
+
+@pytest.fixture(scope="module")
+def upright(deployment: Deployment) -> Deployment:
+    """The same with a hand that is to be upright."""
+    assert deployment.goal is not None
+    parameters = {**deployment.goal.parameters, "rpy": (0.0, 0.0, 0.0)}
+    return replace(deployment, goal=replace(deployment.goal, parameters=parameters))
+
+
+DEG = math.pi / 180
+
+
+@pytest.mark.parametrize(
+    ("turned", "off", "free", "code"),
+    [
+        ((0.9 * DEG, 0.0, 0.0), 0.001, None, OK),
+        ((1.1 * DEG, 0.0, 0.0), 0.001, None, MISSED),
+        ((0.9 * DEG, 0.0, 0.0), 0.004, None, MISSED),
+        ((0.0, 0.0, 90 * DEG), 0.001, "roll", OK),
+        ((1.1 * DEG, 0.0, 0.0), 0.001, "roll", MISSED),
+        ((90 * DEG, 0.0, 0.0), 0.001, "all", OK),
+        ((math.nan, 0.0, 0.0), 0.001, None, FAILED),
+    ],
+)
+def test_position_and_orientation_are_both_judged(
+    upright: Deployment, turned: tuple[float, ...], off: float, free: str | None, code: int
+) -> None:
+    assert upright.goal is not None
+    parameters = {**upright.goal.parameters, "free": free}
+    freed = replace(upright, goal=replace(upright.goal, parameters=parameters))
+    if code == FAILED:  # nobody saw how the hand was turned
+        made = run_log(freed, off, turned=turned)
+        assert evaluate(made, freed).tracking is None
+    else:
+        assert outcome(freed, run_log(freed, off, turned=turned)).code == code
+
+
+def test_the_summary_of_a_pose_has_both_errors_and_both_tolerances(upright: Deployment) -> None:
+    good = outcome(upright, run_log(upright, 0.001, turned=(0.0, 0.5 * DEG, 0.0)))
+    assert good.headline == (
+        "goal reached: the hand is 1.00 mm and 0.50 deg off at 24.00 s, within 3.00 mm and 1.00 deg"
+    )
+    assert "1.00 mm and 0.50 deg off at worst after 2 s" in good.text()
+    assert "within 3.00 mm and 1.00 deg for 100.0 % of that time" in good.text()
+    read = json.loads(good.to_json())
+    assert read["evaluation"]["tracking"]["final_angle"] == pytest.approx(0.5 * DEG)
+    assert (read["tolerance"], read["orientation_tolerance"]) == (0.003, pytest.approx(DEG))
+    bad = outcome(upright, run_log(upright, 0.0, turned=(0.0, 2 * DEG, 0.0)))
+    assert bad.headline == "goal missed: the hand is 0.00 mm and 2.00 deg off at 24.00 s"
+    wide = replace(upright, tolerance=Tolerance(orientation=3 * DEG))
+    assert outcome(wide, run_log(wide, 0.0, turned=(0.0, 2 * DEG, 0.0))).code == OK
+
+
+def test_the_summary_of_a_position_says_nothing_of_angles(deployment: Deployment) -> None:
+    made = outcome(deployment, run_log(deployment, 0.001, turned=(1.0, 0.0, 0.0)))
+    assert made.headline == "goal reached: the hand is 1.00 mm off at 24.00 s, within 3.00 mm"
+    assert "within 3.00 mm for 100.0 % of that time, for good since 0.00 s" in made.text()
+    assert "1.00 mm off at worst after 2 s" in made.text()
+
+
+@pytest.mark.parametrize("turned", [(0.0, 0.0, 0.0), (0.0, 0.5 * DEG, 0.0), (math.nan, 0.0, 0.0)])
+def test_a_plot_is_drawn_of_a_pose_too(
+    upright: Deployment, tmp_path: Path, turned: tuple[float, ...]
+) -> None:
+    draw(run_log(upright, 0.001, turned=turned), upright, (), tmp_path / "path.png")
+    assert (tmp_path / "path.png").stat().st_size > 10_000

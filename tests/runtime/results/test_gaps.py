@@ -10,8 +10,8 @@ NONE = np.nan
 
 
 def run_log(t: list[float], ages: list[list[float]]) -> RunLog:
-    ticks, few = np.array(t), np.zeros((len(t), 3))
-    return RunLog(ticks, ticks, few, few, few, few[:, :2], np.array(ages), [])
+    ticks, few, turns = np.array(t), np.zeros((len(t), 3)), np.zeros((len(t), 4))
+    return RunLog(ticks, ticks, few, few, few, few[:, :2], np.array(ages), turns, [])
 
 
 def test_commands_arrived_as_long_ago_as_the_plant_says() -> None:

@@ -15,6 +15,10 @@ def tick(t: float, age: list[float | None]) -> str:
     return json.dumps({"wall": 100.0 + t, "t": t, "event": "tick", **numbers, "age": age})
 
 
+def turned(t: float, orientation: list[float | None]) -> str:
+    return json.dumps(json.loads(tick(t, [])) | {"orientation": orientation})
+
+
 def start(by: str) -> str:
     return json.dumps({"wall": 100.0, "t": 0.0, "event": "start", "by": by})
 
@@ -36,6 +40,18 @@ def test_the_motion_is_read_over_all_files_in_their_order(tmp_path: Path) -> Non
     assert log.is_whole
 
 
+def test_an_orientation_is_read_where_the_log_has_one(tmp_path: Path) -> None:
+    write(
+        tmp_path / "plant.jsonl",
+        tick(1.0, []),  # an older log has none
+        turned(2.0, [0.0, 0.0, 0.6, 0.8]),
+        turned(3.0, [None] * 4),
+    )
+    log = read_run_log(tmp_path)
+    nothing = [np.nan] * 4
+    np.testing.assert_array_equal(log.orientation, [nothing, [0.0, 0.0, 0.6, 0.8], nothing])
+
+
 def test_only_what_follows_the_last_start_counts(tmp_path: Path) -> None:
     write(tmp_path / "plant.1.jsonl", start("a"), tick(1.0, []), start("b"), tick(0.5, []))
     write(tmp_path / "plant.jsonl", tick(0.6, []))
@@ -52,7 +68,7 @@ def test_motion_is_read_in_a_few_times_the_memory_of_its_numbers(tmp_path: Path)
     _, most = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert len(log.t) == many
-    assert most < 3 * many * 8 * 23  # bytes of the numbers of each line
+    assert most < 3 * many * 8 * 27  # bytes of the numbers of each line
 
 
 def test_a_run_whose_early_motion_was_dropped_says_so_and_is_evaluated(robot: Robot) -> None:

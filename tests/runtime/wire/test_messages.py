@@ -49,7 +49,17 @@ MESSAGES: dict[type[Message], st.SearchStrategy[Any]] = {
     PlatformPose: st.builds(PlatformPose, numbers, numbers, numbers, numbers, by=counts, n=counts),
     PlatformCommand: st.builds(PlatformCommand, numbers, numbers, numbers, by=counts, n=counts),
     GoalMessage: st.builds(
-        GoalMessage, numbers, three, three, numbers, numbers, by=counts, n=counts
+        GoalMessage,
+        numbers,
+        three,
+        three,
+        numbers,
+        numbers,
+        st.none() | units,
+        st.none() | three,
+        st.sampled_from(["nothing", "roll", "all"]),
+        by=counts,
+        n=counts,
     ),
     Diag: st.builds(
         Diag,
@@ -73,6 +83,7 @@ MESSAGES: dict[type[Message], st.SearchStrategy[Any]] = {
 }
 COMMAND = {"t": 1.0, "velocity": 0.5, "by": 7, "n": 1}
 STATES = {"t": 1.0, "position": [0.1, 0.2], "velocity": [0.0, 0.0], "by": 7, "n": 1}
+GOAL = {"t": 1.0, "position": [1, 2, 3], "velocity": [0, 0, 0.1], "from": 0.5, "until": 9.0}
 POSE = {"t": 1.0, "position": [0.1, 0.2, 0.3], "orientation": [0, 0, 0, 1], "by": 7, "n": 1}
 
 
@@ -97,6 +108,46 @@ def test_a_goal_travels_with_from_and_until() -> None:
     assert set(msgpack.unpackb(pack(goal))) == {
         *("t", "by", "n", "position", "velocity", "from", "until")
     }
+
+
+def test_a_goal_of_a_position_alone_is_the_same_bytes_as_before_there_were_orientations() -> None:
+    goal = GoalMessage(1.0, (1.0, 2.0, 3.0), (0.0, 0.0, 0.1), since=0.5, until=9.0)
+    floats = {**GOAL, "position": [1.0, 2.0, 3.0], "velocity": [0.0, 0.0, 0.1]}
+    assert stamped(goal, 7, 1) == msgpack.packb({**floats, "by": 7, "n": 1})
+
+
+def test_a_pose_travels_in_the_fields_of_the_contract() -> None:
+    goal = GoalMessage(
+        *(1.0, (1.0, 2.0, 3.0), (0.0, 0.0, 0.1), 0.5, 9.0),
+        *((0.6, 0.0, 0.8, 0.0), (0.0, 0.1, 0.0), "roll"),
+    )
+    wire = msgpack.unpackb(pack(goal))
+    turning = {name: wire[name] for name in ("orientation", "angular_velocity", "free")}
+    assert turning == {
+        "orientation": [0.6, 0.0, 0.8, 0.0],
+        "angular_velocity": [0.0, 0.1, 0.0],
+        "free": "roll",
+    }
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        ({"orientation": [0, 0, 0, 0]}, Reason.NOT_UNIT),
+        ({"orientation": [0, 0, 0, 1.1]}, Reason.NOT_UNIT),
+        ({"orientation": [0, 0, 1]}, Reason.WRONG_LENGTH),
+        ({"orientation": [0, 0, None, 1]}, Reason.WRONG_TYPE),
+        ({"angular_velocity": [0, 0, math.nan]}, Reason.NOT_FINITE),
+        ({"angular_velocity": [0, 0, 1e10]}, Reason.OUT_OF_RANGE),
+        ({"angular_velocity": [0, 0]}, Reason.WRONG_LENGTH),
+        ({"free": "yaw"}, Reason.WRONG_TYPE),
+        ({"free": 1}, Reason.WRONG_TYPE),
+    ],
+)
+def test_a_bad_pose_of_a_goal_is_refused_with_its_reason(
+    change: dict[str, Any], reason: Reason
+) -> None:
+    assert refusal(GoalMessage, msgpack.packb({**GOAL, "by": 7, "n": 1, **change})) is reason
 
 
 def test_a_lost_encoder_is_nil_on_the_wire() -> None:

@@ -29,7 +29,7 @@ def generated() -> str:
         info = types.type_info(kind)
         assert isinstance(info, types.StructType)
         own = [field for field in info.fields if field.encode_name not in ("t", "by", "n")]
-        fields = "; ".join(f"`{field.encode_name}` {_shape(field.type)}" for field in own)
+        fields = "; ".join(_field(field) for field in own)
         messages.append((f"`{kind.__name__}`", fields, (inspect.getdoc(kind) or "").split("\n")[0]))
     reasons = ", ".join(reason.value for reason in Reason)
     counted = f"Reasons by which `msma status` counts messages: {reasons}.\n"
@@ -49,6 +49,11 @@ def _row(topic: Topic) -> tuple[str, ...]:
     )
 
 
+def _field(field: types.Field) -> str:
+    optional = "" if field.required else " (optional)"
+    return f"`{field.encode_name}` {_shape(field.type)}{optional}"
+
+
 def _shape(kind: types.Type) -> str:
     match kind:
         case types.Metadata(type=inner, extra=extra):
@@ -62,6 +67,8 @@ def _shape(kind: types.Type) -> str:
             return "text"
         case types.UnionType(types=members):
             return " or ".join(map(_shape, members))
+        case types.LiteralType(values=values):
+            return " or ".join(f"`{value}`" for value in values)
         case types.NoneType():
             return "nil"
         case types.VarTupleType(item_type=item, min_length=least, max_length=most):
