@@ -104,10 +104,8 @@ def turn_between(one: Array, other: Array) -> Array:
 
     So `other` is `product(rotation_by(vector), one)`, up to its sign.
     """
-    *vector, cosine = product(other, one * [-1.0, -1.0, -1.0, 1.0])
+    difference = product(other, one * [-1.0, -1.0, -1.0, 1.0])
+    vector, cosine = np.copysign(1.0, difference[3]) * difference[:3], abs(difference[3])
     sine = float(np.linalg.norm(vector))
-    if cosine < 0.0:
-        sine, cosine = -sine, -cosine
-    share = 2.0 * np.arctan2(sine, cosine) / sine if sine else 2.0
-    turn: Array = share * np.array(vector)
+    turn: Array = 2.0 * np.arctan2(sine, cosine) / sine * vector if sine else 2.0 * vector
     return turn

@@ -116,7 +116,7 @@ def test_a_running_robot_is_controlled_from_another_terminal(place, robot):
 
 
 def test_the_agent_and_the_node_of_ones_own_can_be_deployed(place):
-    (agent, node), (_, agents, nodes) = blocks("python"), blocks("yaml")
+    (agent, node), (_, _, agents, nodes) = blocks("python"), blocks("yaml")
     (place / "mine.py").write_text(agent)
     (place / "mine_too.py").write_text(node)
     deployment = (place / "deploy" / "arph.yaml").read_text()
@@ -135,6 +135,15 @@ def test_the_robot_of_ones_own_loads(tmp_path):
     (tmp_path / "mine.yaml").write_text(blocks("yaml")[0])
     deployment = load(tmp_path / "mine.yaml")
     assert [agent.role for agent in deployment.agents] == ["joint/1", "joint/2", "joint/3"]
+
+
+def test_the_pose_loads_in_a_deployment_and_turns(place):
+    text = (place / "deploy" / "seven.yaml").read_text()
+    kept = re.sub(r"^(tolerance|goal):.*\n( .*\n)*", "", text, flags=re.M)
+    (place / "mine.yaml").write_text(f"{kept}\n{blocks('yaml')[1]}")
+    goal = load(place / "mine.yaml").goal.build().piece(0.0)
+    assert (goal.until, goal.free) == (9.0, "roll")
+    assert goal.angular_velocity == pytest.approx([0.0, 0.0, 0.1745], abs=1e-4)
 
 
 def test_what_it_links_to_is_there():

@@ -211,7 +211,7 @@ def _reached(tracking: Tracking, t: float, tolerance: Tolerance) -> tuple[int, s
     hand = f"the hand is {off(tracking.final, tracking.final_angle)} off at {t:.2f} s"
     if tracking.nearest is None:
         return OK, f"goal reached: {hand}, within {off(*tolerance.limits(turns))}"
-    if tracking.nearest > tolerance.position:
+    if min(tracking.nearest, tracking.final) > tolerance.position:
         hand += f"; it is {distance(tracking.nearest)} out of reach from where the platform is"
     elif not turns:  # whether an orientation is in reach is not known
         hand += ", though the arm could reach it from where the platform is"

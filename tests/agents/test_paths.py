@@ -194,15 +194,8 @@ def test_a_csv_file_turns_the_shorter_way_from_orientation_to_orientation(tmp_pa
     file.write_text(POSES)  # the one in the middle is a quarter of a turn, with the other sign
     path = CsvPath(file=file, free="roll")
     assert path.piece(3.0).free == "roll"
-    for t, angle in (
-        (0.0, 0.0),
-        (1.0, 45.0),
-        (2.0, 90.0),
-        (3.0, 135.0),
-        (4.0, 180.0),
-        (9.0, 180.0),
-    ):
-        wanted = rotation_by(np.radians([0.0, 0.0, angle]))
+    for t in (0.0, 1.0, 2.0, 3.0, 4.0, 9.0):
+        wanted = rotation_by(np.array([0.0, 0.0, min(t, 4.0) * np.pi / 4]))
         assert abs(turn_at(path, t) @ wanted) == pytest.approx(1.0)
     for t in (1.0, 3.0):
         np.testing.assert_allclose(path.piece(t).angular_velocity, [0, 0, np.pi / 4])

@@ -212,7 +212,7 @@ def test_a_path_in_a_file_may_have_an_orientation() -> None:
 @pytest.mark.parametrize(
     ("more", "says"),
     [
-        ("rpy: [0, 90, deg]", "x.yaml:11:15: goal.rpy.2: 'deg' is not an angle; write one such"),
+        ("rpy: [0, 90, deg]", "x.yaml:11:16: goal.rpy.2: 'deg' is not an angle; write one such"),
         ("rpy: [0, 1 m, 0]", "x.yaml:11:12: goal.rpy.1: 1 m is a length; an angle is wanted"),
         ("orientation: [0, 0, 1]", "x.yaml:11:16: goal.orientation: expected 4 values, got 3"),
         ("orientation: [0, 0, 1, 1]", "x.yaml:11:16: goal.orientation: a unit quaternion x, y,"),
