@@ -127,7 +127,7 @@ def _tracking(log: RunLog, path: Path, tolerance: Tolerance, robot: Robot) -> Tr
         return None
     error, t = error[seen], log.t[seen]
     settled = t >= min(SETTLING, t[-1])
-    near = (error <= (tolerance.position, tolerance.orientation)).all(axis=-1)
+    near = (error[:, 0] <= tolerance.position) & (error[:, 1] <= tolerance.orientation)
     outside = np.flatnonzero(~near)
     first = int(outside[-1]) + 1 if len(outside) else 0
     place = aim_at(ONE, path.piece(log.t[-1]), log.t[-1])._replace(turn=None)

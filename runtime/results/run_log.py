@@ -125,4 +125,5 @@ def read_run_log(run: Path) -> RunLog:
     if count == 0:
         raise RunLogError(f"the plant logged no motion in {run / file_name(PLANT)}.jsonl")
     t, wall, *flat = (np.frombuffer(numbers, np.float64) for numbers in columns.values())
-    return RunLog(t, wall, *(numbers.reshape(count, -1) for numbers in flat), events=events)
+    hand, q, base, base_velocity, age, turned = (numbers.reshape(count, -1) for numbers in flat)
+    return RunLog(t, wall, hand, q, base, base_velocity, age, turned, events)
