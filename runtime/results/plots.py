@@ -70,7 +70,7 @@ def _draw_errors(axes: Axes, t: Array, error: Array, tolerance: Tolerance) -> No
     """Plot the errors (m, 2) and their tolerances; of the angle only if it matters."""
     turns = bool(error[:, 1].any())
     if turns:
-        axes.set_ylabel("error of the hand [mm], of its orientation [deg]")
+        axes.set_ylabel("error of the hand [mm],\nof its orientation [deg]")
     units = ("mm", 1e3, _HAND), ("deg", math.degrees(1), _ANGLE)
     for values, limit, one in zip(error.T, tolerance.limits(turns), units, strict=True):
         unit, per_si, color = one
