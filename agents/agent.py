@@ -46,8 +46,12 @@ class Goal(NamedTuple):
         return min(max(t, self.since), self.until) - self.since
 
     def moves(self, t: float) -> bool:
-        """Tell whether the goal moves at plant time `t` [s]."""
-        return self.since <= t < self.until
+        """Tell whether the goal moves at plant time `t` [s], any of a batch."""
+        if not self.since <= t < self.until:
+            return False
+        return bool(self.velocity.any()) or (
+            self.angular_velocity is not None and bool(self.angular_velocity.any())
+        )
 
     def at(self, t: float) -> Array:
         """Where the goal is at plant time `t` [s]: (..., 3) [m] in the world."""

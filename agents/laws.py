@@ -9,18 +9,18 @@ import numpy as np
 from agents import kick
 from agents.agent import Array, Body, Goal, Percepts
 from agents.kick import Kick
-from agents.markers import Off, aim_at, best_step, cost, turned_against
+from agents.markers import Off, aim_at, cost, turned_against
 from agents.number import Namespace, Number, Vector, bounded, components, namespace_of
-from agents.others import TRUST, Seen, change_wanted, first_seen, left_by_others, links_of
+from agents.others import TRUST, Seen, first_seen, left_by_others, links_of
 from agents.sight import View
 from agents.turning import turned
 from plant.kinematics import ArmPose, kinematics_of
 
 LEVER = 0.12
 """[reaches] sqrt(k): 0.08 to 0.16 do as well, 0.04 and 0.3 lose 5 to 7 of 100 (seeds 0 to 9)."""
-FADES_BACK = 2.5
-"""[horizons] in which a motion away from a goal that stands still fades: no slower than the joint
-brakes, and `memory` long it loses 8 to 20 of 100 with a joint locked (seeds 0 to 9)."""
+FADES = 2.5
+"""[horizons] in which a motion fades towards a goal that stands still: the arm of many joints goes
+on for long where none of it serves, and is late where it is to be elsewhere."""
 BRAKES = 0.7
 """[1] of the speed from which it could just brake in time: what is left makes up for others."""
 LEAST_SPEED = 0.1
@@ -51,6 +51,7 @@ class Last(NamedTuple):
         t: Of the percepts [s].
         base: (3) x, y [m] and heading [rad] of the platform; None on a bolted arm.
         seen: Of itself and of each joint beyond.
+        changes: What it expected of each [rad/s or m/s].
         kick: Of its moves by chance.
         goal: Which goal stands still, as bytes; empty while one moves.
         stands: Since when [s].
@@ -59,6 +60,7 @@ class Last(NamedTuple):
     t: float
     base: Vector | None
     seen: tuple[Seen, ...]
+    changes: tuple[Number, ...]
     kick: Kick
     goal: bytes
     stands: float
@@ -67,18 +69,19 @@ class Last(NamedTuple):
 class LineByModel(Law):
     """The best step a moment ahead, after what the joints beyond will do.
 
-    The joint goes on as it moves now, corrected by the step that would bring the hand closest to
-    the goal at the end of the horizon H, if all went on as it is and the joints beyond did their
-    part first (`others`):
+    The joint goes on as it moves now, a little less, corrected by the step that would bring the
+    hand closest to the goal at the end of the horizon H, if all went on so and the joints beyond
+    did their part first (`others`):
 
-        v = q' exp(-T / m) + w / H,    w = `best_step` at q + q' H, T since the last decision.
+        v = f q' + w / H,    f = exp(-T / m),    w = `best_step` at q + f q' H,
 
-    So a goal in steady motion is followed without lag, and what others do, or fail to do, is made
-    up for without knowing of it. The memory of its own motion fades within m, so that none lasts
-    that serves nothing, and sooner where w leads back and the goal stands still. It is the encoder
-    that remembers, so what does not move does not wind up. Towards a goal that stands still,
+    with T since the last decision. So a goal in steady motion is followed without lag, and what
+    others do, or fail to do, is made up for without knowing of it. Motion that serves nothing fades
+    within m: `memory` while the goal moves, `FADES` where it stands still; what serves is made up
+    for in w. It is the encoder that remembers, so what does not move does not wind up. Towards a
+    goal that stands still,
 
-        |v| <= max(`BRAKES` sqrt(2 a |w + q' H|), `LEAST_SPEED` v_max)
+        |v| <= max(`BRAKES` sqrt(2 a |w + f q' H|), `LEAST_SPEED` v_max)
 
     with the acceleration a that the joint brakes with; there it may also be moved by chance
     (`kick`). The speed that fades need not be towards rest: short of `bend` from straight it is
@@ -111,45 +114,38 @@ class LineByModel(Law):
         xp = namespace_of(joints.position)
         q, speeds = components(joints.position), components(joints.velocity)
         base = None if percepts.base is None else components(percepts.base)
-        last, inner = self._last, speeds[: self._joint]
+        last = self._last
         if last is None or not 0.0 <= t - last.t <= GAP:
             fresh = tuple(first_seen(speed) for speed in speeds[self._joint :])
-            last = Last(t - self._body.period, base, fresh, kick.begun(t), b"", t)
-        elapsed, seen = min(t - last.t, horizon), last.seen
+            nothing = (0.0,) * len(fresh)
+            last = Last(t - self._body.period, base, fresh, nothing, kick.begun(t), b"", t)
+        elapsed, moves, inner = min(t - last.t, horizon), goal.moves(t), speeds[: self._joint]
+        fading: Number = exp(-elapsed / (self._memory if moves else FADES * horizon))
+        seen = last.seen
         if elapsed > 0.0:
             share = exp(-elapsed / (TRUST * horizon))
             seen = tuple(
-                each.after(speed, share)
-                for each, speed in zip(seen, speeds[self._joint :], strict=True)
+                each.after(change, speed, share, fading)
+                for each, change, speed in zip(
+                    seen, last.changes, speeds[self._joint :], strict=True
+                )
             )
         shares, pending = zip(*(each.shares(xp) for each in seen), strict=True)
-        going = tuple(each.going(late) for each, late in zip(seen, pending, strict=True))
-        ahead, places = self._ahead(xp, q, inner + going, base, last, t)
+        going = inner + tuple(
+            each.going(late, fading) for each, late in zip(seen, pending, strict=True)
+        )
+        fades = tuple(fading * each for each in going)
+        ahead, places = self._ahead(xp, q, fades, base, last, t)
         aim = aim_at(xp, goal, t, horizon)
         off = Off(ahead.tip_parts, turned_against(xp, ahead.rotation_parts, aim))
-        off, steps = left_by_others(
-            xp, self._links, self._joint + 1, ahead, off, aim, self._lever2, horizon, places,
-            shares[1:],
+        step, changes = left_by_others(
+            xp, self._links, self._joint, ahead, off, aim, self._lever2, horizon, places, going,
+            shares, max(elapsed, self._body.period), fading,
         )  # fmt: skip
-        own, speed = self._links[self._joint], going[0]
-        axis, point = ahead.axis_parts(self._joint), ahead.point_parts(self._joint)
-        step = best_step(xp, off, aim.place, self._lever2, axis, point, own.slides)
-        moves = goal.moves(t)
-        kept = exp(-elapsed / self._memory)
-        back = kept if moves else exp(-elapsed / (FADES_BACK * horizon))
-        seen = tuple(
-            change_wanted(
-                xp, link, each, goes * xp.where(goes * wanted < 0.0, back, kept) + wanted / horizon,
-                elapsed,
-            )
-            for link, each, goes, wanted in zip(
-                self._links[self._joint :], seen, going, (step, *steps), strict=True
-            )
-        )  # fmt: skip
-        self._last = Last(t, base, seen, last.kick, b"", t)
-        fading = xp.where(step * speed < 0.0, back, kept)
+        own, speed = self._links[self._joint], going[self._joint]
+        self._last = Last(t, base, seen, changes, last.kick, b"", t)
         if not moves:
-            step, fading = self._by_chance(xp, t, goal, view.arm, last, step, fading, places)
+            step = self._by_chance(xp, t, goal, view.arm, last, step, places)
         comfort = 0.0
         if self._bend:
             side = xp.where(q[self._joint] < 0.0, -1.0, 1.0)
@@ -158,7 +154,7 @@ class LineByModel(Law):
         velocity = comfort + (speed - comfort) * fading + step / horizon
         if moves:
             return cast("Array", velocity)
-        now = xp.abs(step + speed * horizon)
+        now = xp.abs(step + fading * speed * horizon)
         most = BRAKES * xp.sqrt(2.0 * own.acceleration * now)
         return cast("Array", bounded(xp, velocity, xp.maximum(most, LEAST_SPEED * own.speed)))
 
@@ -186,9 +182,9 @@ class LineByModel(Law):
 
     def _by_chance(
         self, xp: Namespace, t: float, goal: Goal, arm: ArmPose, last: Last, step: Number,
-        fading: Number, places: tuple[Number, ...],
-    ) -> tuple[Number, Number]:  # fmt: skip
-        """Return the step, or one by chance, and what is left of its speed (1 in that case)."""
+        places: tuple[Number, ...],
+    ) -> Number:  # fmt: skip
+        """Return the step, or one by chance."""
         assert self._last is not None
         stands = goal.position.tobytes()
         if goal.orientation is not None:
@@ -203,11 +199,7 @@ class LineByModel(Law):
             self._horizon, self._links[self._joint].speed, self._span, self._bounds, self._body.rng,
         )  # fmt: skip
         self._last = self._last._replace(kick=after, goal=stands, stands=since)
-        moved = t < after.until
-        return (
-            xp.where(moved, after.place - places[self._joint], step),
-            xp.where(moved, 1.0, fading),
-        )
+        return xp.where(t < after.until, after.place - places[self._joint], step)
 
 
 def reach_of(body: Body) -> float:

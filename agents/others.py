@@ -1,29 +1,28 @@
 """What a joint expects of the joints beyond it: that each does its best first, as far as it has.
 
 "Beyond" is towards the tip. Before it decides, a joint goes through those from the tip inwards:
-each makes the step that is best after those beyond it, within its range, times the share eta of
-such steps that have been seen to be made. That is one sweep of the Gauss-Seidel method on the cost
-(`markers`), each joint on its own processor, and what is left is the joint's own business. One
-that does not move has eta = 0 soon, and is reckoned with no more; why it does not is not asked.
+each makes the step that is best after those beyond it, as far as its range, its top speed and its
+acceleration let it within a decision, times the share eta of such steps that have been seen to be
+made. That is one sweep of the Gauss-Seidel method on the cost (`markers`), each joint on its own
+processor, and what is left is the joint's own business. One that does not move has eta = 0 soon,
+and is reckoned with no more; why it does not is not asked. Where the goal is far nobody can do
+much at once, so all move, and do not wait for those beyond.
 
 Nobody hears another's commands. So with x the change of speed that this joint worked out that the
-other would want, and y the change that is seen a decision later,
+other would make, and y the change that is seen a decision later, apart from what fades (`laws`),
 
     eta = (sum x y) / (sum x^2), within 0 to 1, both sums fading within `TRUST`.
 
 Where commands take a decision longer, so does y. The same sums are kept for it, and where their eta
 is the larger one, what was wanted last is added to the speeds seen, as it is still to come (the
 predictor of Smith 1957), of one's own speed too.
-
-In the time of the horizon a joint makes no more than its top speed allows. So where the goal is far
-all move at once, and do not wait for those beyond.
 """
 
 from typing import NamedTuple
 
 from agents.agent import Body
 from agents.markers import Aim, Off, after_step, best_step
-from agents.number import Namespace, Number, bounded
+from agents.number import Namespace, Number
 from plant.kinematics import ArmPose
 
 TRUST = 4.0
@@ -62,29 +61,31 @@ class Seen(NamedTuple):
     """What one remembers of a joint beyond, or of oneself.
 
     Attributes:
-        speed, before: At the last decision and the one before [rad/s or m/s].
-        change, earlier: x of these decisions.
-        wanted, lately: The sum of x^2 up to the one before, and up to that before it.
+        speed: At the last decision [rad/s or m/s].
+        change: x of the one before it [rad/s or m/s].
+        wanted, lately: The sum of x^2 up to that, and up to the one before it.
         made, late: The sums of x y, with y seen one decision later and two.
     """
 
     speed: Number
-    before: Number
     change: Number
-    earlier: Number
     wanted: Number
     lately: Number
     made: Number
     late: Number
 
-    def after(self, speed: Number, kept: float) -> "Seen":
-        """Return what is remembered at a decision, with a share `kept` of the sums."""
-        x, y = self.change, speed - self.speed
-        made, late = (
-            kept * self.made + x * y,
-            kept * self.late + self.earlier * (speed - self.before),
-        )
-        return Seen(speed, self.speed, x, x, kept * self.wanted + x * x, self.wanted, made, late)
+    def after(self, x: Number, speed: Number, kept: float, fading: float) -> "Seen":
+        """Return what is remembered at a decision.
+
+        Args:
+            x: The change of speed that it was expected to make at the last one [rad/s or m/s].
+            speed: That is seen [rad/s or m/s].
+            kept: Share of the sums that is left.
+            fading: Share of its speed that is left, from one decision to the next.
+        """
+        y = speed - fading * self.speed
+        made, late = kept * self.made + x * y, kept * self.late + self.change * y
+        return Seen(speed, x, kept * self.wanted + x * x, self.wanted, made, late)
 
     def shares(self, xp: Namespace) -> tuple[Number, Number]:
         """Return eta, and the part of it that is not yet to be seen at the next decision."""
@@ -94,57 +95,52 @@ class Seen(NamedTuple):
         late = xp.minimum(xp.maximum(late, 0.0), 1.0)
         return xp.maximum(once, late), xp.where(late > once, late, 0.0)
 
-    def going(self, pending: Number) -> Number:
+    def going(self, pending: Number, fading: float) -> Number:
         """Return the speed that it has once what it wanted at the last decision is in force."""
-        return self.speed + pending * (self.before + self.change - self.speed)
+        return self.speed + pending * ((fading - 1.0) * self.speed + self.change)
 
 
 def first_seen(speed: Number) -> Seen:
     """Return what is remembered of a joint to begin with: it is expected to do its part."""
-    return Seen(speed, speed, 0.0, 0.0, TRIFLE, TRIFLE, TRIFLE, 0.0)
+    return Seen(speed, 0.0, TRIFLE, TRIFLE, TRIFLE, 0.0)
 
 
 def left_by_others(
-    xp: Namespace, links: tuple[Link, ...], first: int, ahead: ArmPose, off: Off, aim: Aim,
-    lever2: float, horizon: float, places: tuple[Number, ...], shares: tuple[Number, ...],
-) -> tuple[Off, tuple[Number, ...]]:  # fmt: skip
-    """Return the hand after all joints beyond have done their part, and the step of each.
+    xp: Namespace, links: tuple[Link, ...], own: int, ahead: ArmPose, off: Off, aim: Aim,
+    lever2: float, horizon: float, places: tuple[Number, ...], speeds: tuple[Number, ...],
+    shares: tuple[Number, ...], elapsed: float, fading: float,
+) -> tuple[Number, tuple[Number, ...]]:  # fmt: skip
+    """Return the best step of a joint after those beyond it, and the change x of each, its first.
 
     Args:
         xp: The namespace.
         links: All joints of the arm.
-        first: Index of the innermost of those beyond.
-        ahead: The arm at the end of the horizon, if all goes on as it is.
+        own: Index of the joint.
+        ahead: The arm at the end of the horizon, if all go on and fade.
         off: Its hand.
         aim: Where that is to be.
         lever2: See `markers`.
         horizon: [s].
         places: Of all joints at the end of the horizon [rad or m].
-        shares: eta of those beyond, from the first.
+        speeds: Of all joints [rad/s or m/s].
+        shares: eta, from the joint's own.
+        elapsed: From one decision to the next [s].
+        fading: Share of its speed that is left, from one decision to the next.
     """
-    steps = []
-    for index in range(len(links) - 1, first - 1, -1):
-        link, q = links[index], places[index]
+    step: Number = 0.0
+    changes = []
+    for index in range(len(links) - 1, own - 1, -1):
+        link, place, speed = links[index], places[index], speeds[index]
         axis, point = ahead.axis_parts(index), ahead.point_parts(index)
         step = best_step(xp, off, aim.place, lever2, axis, point, link.slides)
-        steps.append(step)
-        made = bounded(xp, step, link.speed * horizon)
-        made = xp.minimum(xp.maximum(made, link.lower - q), link.upper - q) * shares[index - first]
-        off = after_step(xp, off, made, axis, point, link.slides)
-    return off, tuple(steps[::-1])
-
-
-def change_wanted(
-    xp: Namespace, link: Link, seen: Seen, wanted: Number, elapsed: float
-) -> Seen:  # fmt: skip
-    """Return what is remembered of a joint that would want a speed [rad/s or m/s].
-
-    Args:
-        xp: The namespace.
-        link: The joint.
-        seen: What was remembered.
-        wanted: The speed, before the limits.
-        elapsed: From one decision to the next [s].
-    """
-    change = bounded(xp, wanted, link.speed) - seen.speed
-    return seen._replace(change=bounded(xp, change, link.acceleration * elapsed))
+        gain = link.acceleration * elapsed
+        rest = fading * speed
+        least = xp.maximum(-link.speed, speed - gain) - rest
+        most = xp.minimum(link.speed, speed + gain) - rest
+        least = xp.maximum(horizon * least, link.lower - place)
+        most = xp.minimum(horizon * most, link.upper - place)
+        made = xp.minimum(xp.maximum(step, least), most)
+        changes.append(made / horizon)
+        if index > own:
+            off = after_step(xp, off, made * shares[index - own], axis, point, link.slides)
+    return step, tuple(changes[::-1])

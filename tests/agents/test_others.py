@@ -1,0 +1,78 @@
+"""What a joint expects of those beyond it, and arms of many joints."""
+
+import numpy as np
+import pytest
+
+from agents.agent import Body, Goal, Percepts
+from agents.joint import JointAgent
+from agents.number import ONE
+from agents.others import first_seen
+from bench.scale import write_arm
+from plant.faults import Fault
+from plant.kinematic import KinematicPlant
+from plant.plant import Commands, Setup
+from runtime.config.deployment import load
+from studies.lockstep import true_motion
+
+PERIOD = 0.06
+KEPT, FADING = 0.9, 0.8
+
+
+def seen_after(delay: int, share: float, count: int = 40):
+    """Return what is remembered of a joint that makes a share of what is expected, late or not."""
+    rng = np.random.default_rng(1)
+    wanted = rng.normal(size=count).tolist()
+    speeds = [0.0]
+    for k in range(count):
+        speeds.append(FADING * speeds[-1] + (share * wanted[k - delay] if k >= delay else 0.0))
+    seen = first_seen(0.0)
+    for x, speed in zip(wanted, speeds[1:], strict=True):
+        seen = seen.after(x, speed, KEPT, FADING)
+    return seen
+
+
+@pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
+def test_of_a_joint_is_expected_what_it_was_seen_to_do(share):
+    eta, pending = seen_after(0, share).shares(ONE)
+    assert eta == pytest.approx(share, abs=0.1)
+    assert pending == 0.0
+
+
+def test_who_answers_a_decision_late_is_expected_to_answer_yet():
+    eta, pending = seen_after(1, 1.0).shares(ONE)
+    assert eta > 0.5
+    assert pending == eta
+
+
+def reach(folder, joints: int, *, delay: int = 0, count: int = 12, seconds: float = 20.0, lock=()):
+    """Return the errors [m] at the end of standing goals all over the reach of a planar arm."""
+    robot = load(write_arm(folder, joints)).description.robot
+    rng = np.random.default_rng([100, joints])
+    start = rng.uniform(-1, 1, (count, joints)) * 2.5 / np.sqrt(joints)
+    far, way = 0.9 * np.sqrt(rng.uniform(0, 1, count)), rng.uniform(-np.pi, np.pi, count)
+    goal = Goal(
+        np.stack([far * np.cos(way), far * np.sin(way), 0 * far], -1), np.zeros((count, 3)), 0, 0
+    )
+    plant = KinematicPlant(Setup(robot, start, period=PERIOD))
+    for joint in lock:
+        plant.inject(Fault.parse(f"joint/{joint}:locked", robot))
+    agents = [
+        JointAgent(Body(robot, i, PERIOD, [1, i]), perception="blackboard") for i in range(joints)
+    ]
+    late = [np.zeros((count, joints))] * delay
+    for _ in range(round(seconds / PERIOD)):
+        percepts = Percepts.of(plant.read(), goal)
+        late.append(np.stack([agent.decide(percepts) for agent in agents], -1))
+        plant.write(Commands(late.pop(0), None))
+        plant.step()
+    return np.linalg.norm(np.asarray(true_motion(plant).position) - goal.position, axis=-1)
+
+
+@pytest.mark.parametrize("delay", [0, 1])
+@pytest.mark.parametrize("joints", [5, 24])
+def test_arms_of_few_and_many_joints_reach(tmp_path, joints, delay):
+    assert (reach(tmp_path, joints, delay=delay) < 1e-3).mean() >= 0.9
+
+
+def test_locked_joints_are_made_up_for(tmp_path):
+    assert (reach(tmp_path, 12, lock=(2, 5, 9)) < 1e-3).mean() >= 0.9
