@@ -19,8 +19,8 @@ loses 8 of 100 with a joint locked (seeds 0 to 9)."""
 ANEW = 2.0
 """[1] times the least distance so far, or more, is another approach, as after another's move: else
 one of many joints would always be moving."""
-PATIENCE = 2.5, 5.0
-"""[horizons] without coming nearer, by chance between: twice loses 4 to 13 of 100 (seed 1)."""
+PATIENCE = 1.5, 3.0
+"""[horizons] without coming nearer, by chance between: twice loses 0 to 9 of 100 (seed 1)."""
 LASTS = 0.1, 0.25
 """[1] of the time that its range, or a full turn, takes it at top speed, by chance
 between, and a horizon at least: half or twice of it loses 2 to 10 of 100."""
