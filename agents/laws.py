@@ -13,6 +13,7 @@ from agents.markers import Off, aim_at, cost, turned_against
 from agents.number import Namespace, Number, Vector, bounded, components, namespace_of
 from agents.others import TRUST, Seen, first_seen, left_by_others, links_of
 from agents.sight import View
+from agents.stops import Stops
 from agents.turning import turned
 from plant.kinematics import ArmPose, kinematics_of
 
@@ -104,6 +105,7 @@ class LineByModel(Law):
         middle = min(max(0.0, own.lower + half), own.upper - half)
         self._span = 2.0 * (half if own.slides else kick.FULL_TURN)
         self._bounds = middle - half, middle + half
+        self._stops = Stops(own.lower, own.upper)
         self._last: Last | None = None
 
     def velocity(self, percepts: Percepts, goal: Goal, view: View) -> Array:
@@ -143,6 +145,8 @@ class LineByModel(Law):
             shares, max(elapsed, self._body.period), fading,
         )  # fmt: skip
         own, speed = self._links[self._joint], going[self._joint]
+        if not own.slides:
+            step = self._stops.turn(t, cast("Array", q[self._joint]), cast("Array", step))
         self._last = Last(t, base, seen, changes, last.kick, b"", t)
         if not moves:
             step = self._by_chance(xp, t, goal, view.arm, last, step, places)

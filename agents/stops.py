@@ -1,0 +1,57 @@
+"""The stops of a joint: what to do when the best turn lies beyond one."""
+
+from typing import cast
+
+import numpy as np
+
+from agents.agent import Array
+from agents.arithmetic import anywhere, greater, lesser, where
+
+
+class Stops:
+    """Leaves a stop the long way round, when that ends nearer.
+
+    Pressed against a stop, a joint serves the hand no more, though it may well do so from the
+    other side of its range: its best turn is a place on a circle, and there are two ways to it.
+    After a while without use it goes the other way, if that can bring the hand nearer, for as long
+    as the short way stays barred: a platform that comes along may open it meanwhile. To the
+    person beside the robot this is an arm that changes sides instead of pushing in vain.
+    """
+
+    AT = np.deg2rad(1.0)  # [rad] from a stop that is pressing against it
+    IN_VAIN = np.deg2rad(5.0)  # [rad] beyond a stop that is worth a long way
+    NOTICE = 1.0  # [s] of pressing before it goes
+    URGE = 0.3  # [rad/s] that the other side may be worse, for each second more
+
+    def __init__(self, lower: float, upper: float) -> None:
+        """Know the range [rad]; infinite for a joint that turns for ever."""
+        self._lower, self._upper = lower, upper
+        self._endless = not np.isfinite(upper - lower)
+        self._since = cast("Array", np.inf)
+        self._way = cast("Array", 0.0)
+
+    def turn(self, t: float, angle: Array, best: Array) -> Array:
+        """Return the turn (...) [rad] to make from `angle`, where `best` would be the best.
+
+        It is more than half a turn where the joint goes the long way.
+
+        t: plant time [s]; angle: (...) of the joint; best: (...) within -pi to pi.
+        """
+        if self._endless:
+            return best
+        room = where(best > 0, self._upper - angle, angle - self._lower)
+        size = abs(best)
+        beyond = size - room  # [rad] of the best turn that its stop keeps it from
+        pressing = (beyond > self.IN_VAIN) & (room < self.AT)
+        if not anywhere(pressing) and not anywhere(self._way):  # as nearly always
+            self._since = cast("Array", np.inf)
+            return best
+        self._since = where(pressing, lesser(self._since, t), np.inf)
+        vain = greater(t - self._since - self.NOTICE, 0.0)
+        there = greater(2 * np.pi - size - (self._upper - self._lower), 0.0)
+        leaves = pressing & (vain > 0) & (there < beyond + self.URGE * vain)
+        way = where(leaves, where(best > 0, -1.0, 1.0), self._way)
+        end_of_way = where(way > 0, self._upper - angle, angle - self._lower)
+        on_the_long_way = (way * best < 0) & (end_of_way > self.AT) & (beyond > 0)
+        self._way = where(on_the_long_way, way, 0.0)
+        return best + self._way * 2 * np.pi
