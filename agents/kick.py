@@ -19,8 +19,9 @@ loses 8 of 100 with a joint locked (seeds 0 to 9)."""
 ANEW = 2.0
 """[1] times the least distance so far, or more, is another approach, as after another's move: else
 one of many joints would always be moving."""
-PATIENCE = 1.5, 3.0
-"""[horizons] without coming nearer, by chance between: twice loses 0 to 9 of 100 (seed 1)."""
+PATIENCE = 0.25, 0.5
+"""[horizons] for each joint of the arm, without coming nearer, by chance between, so that an arm of
+many is not always moving: twice loses 0 to 9 of 100 (seed 1)."""
 LASTS = 0.1, 0.25
 """[1] of the time that its range, or a full turn, takes it at top speed, by chance
 between, and a horizon at least: half or twice of it loses 2 to 10 of 100."""
@@ -60,7 +61,7 @@ def begun(t: float) -> Kick:
 
 def watched(
     xp: Namespace, kick: Kick, t: float, stood: float, distance: Number, reach: float,
-    horizon: float, speed: float, span: float, bounds: tuple[float, float],
+    horizon: float, joints: int, speed: float, span: float, bounds: tuple[float, float],
     rng: np.random.Generator,
 ) -> Kick:  # fmt: skip
     """Return the memory after a look at `t` [s]; the joint moves by chance while t < `until`.
@@ -73,6 +74,7 @@ def watched(
         distance: Of hand and goal [m]: the root of their cost.
         reach: Of the arm [m].
         horizon: [s].
+        joints: Number of joints of the arm.
         speed: Its top speed [rad/s or m/s].
         span: Its range, a full turn where it turns [rad or m].
         bounds: Between which to move [rad or m].
@@ -81,7 +83,7 @@ def watched(
     nearer = (distance < NEARER * kick.least) | (distance > ANEW * kick.least)
     least = xp.where(nearer, distance, kick.least)
     since = xp.where(nearer, t, kick.since)
-    patience = horizon * (PATIENCE[0] + (PATIENCE[1] - PATIENCE[0]) * kick.chance)
+    patience = joints * horizon * (PATIENCE[0] + (PATIENCE[1] - PATIENCE[0]) * kick.chance)
     patience = patience * xp.where(distance < CLOSE[0] * reach, CLOSE[1], 1.0)
     patience = patience * max(stood / (RARER * horizon), 1.0)
     goes = (t - since > patience) & (distance > REACHED * reach)

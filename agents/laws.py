@@ -22,6 +22,10 @@ LEVER = 0.12
 FADES = 2.5
 """[horizons] in which a motion fades towards a goal that stands still: the arm of many joints goes
 on for long where none of it serves, and is late where it is to be elsewhere."""
+NEAR = 0.13
+"""[reaches] off on the level, from which on a goal is the platform's affair, not the arm's, which
+is not to fold over after one behind it nor stretch for one ahead, only to have to come back. As in
+the law before, where it was 0.2242 m of ARPH's."""
 BRAKES = 0.7
 """[1] of the speed from which it could just brake in time: what is left makes up for others."""
 LEAST_SPEED = 0.1
@@ -86,7 +90,8 @@ class LineByModel(Law):
 
     with the acceleration a that the joint brakes with; there it may also be moved by chance
     (`kick`). The speed that fades need not be towards rest: short of `bend` from straight it is
-    towards a slow bending, which the others make up for.
+    towards a slow bending, which the others make up for. On a platform, |v| is at most
+    v_max `NEAR`^2 / d^2 while the goal is d off on the level, farther than `NEAR`.
     """
 
     def __init__(
@@ -156,6 +161,8 @@ class LineByModel(Law):
             short = xp.maximum(self._bend - side * q[self._joint], 0.0)
             comfort = side * short / self._memory
         velocity = comfort + (speed - comfort) * fading + step / horizon
+        if base is not None:
+            velocity = bounded(xp, velocity, own.speed * self._leaves(xp, view.arm, goal, t))
         if moves:
             return cast("Array", velocity)
         now = xp.abs(step + fading * speed * horizon)
@@ -184,6 +191,12 @@ class LineByModel(Law):
             heading = heading + share * turn
         return self._kinematics.of_parts(places, (x, y, heading)), places
 
+    def _leaves(self, xp: Namespace, arm: ArmPose, goal: Goal, t: float) -> Number:
+        """Return what share of its top speed it uses, while the goal is far on the level."""
+        (ex, ey, _), (gx, gy, _) = arm.tip_parts, aim_at(xp, goal, t).place
+        near = NEAR * self._reach
+        return near * near / xp.maximum((gx - ex) ** 2 + (gy - ey) ** 2, near * near)
+
     def _by_chance(
         self, xp: Namespace, t: float, goal: Goal, arm: ArmPose, last: Last, step: Number,
         places: tuple[Number, ...],
@@ -200,7 +213,8 @@ class LineByModel(Law):
         distance = xp.sqrt(cost(off, aim.place, self._lever2))
         after = kick.watched(
             xp, last.kick if same else kick.begun(t), t, t - since, distance, self._reach,
-            self._horizon, self._links[self._joint].speed, self._span, self._bounds, self._body.rng,
+            self._horizon, len(self._links), self._links[self._joint].speed, self._span,
+            self._bounds, self._body.rng,
         )  # fmt: skip
         self._last = self._last._replace(kick=after, goal=stands, stands=since)
         return xp.where(t < after.until, after.place - places[self._joint], step)

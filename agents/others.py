@@ -29,6 +29,9 @@ TRUST = 4.0
 """[horizons] in which what was seen of another fades: 0.25 s to 1 s do as well (seeds 0 to 9)."""
 TRIFLE = 1e-6
 """[rad2/s2 or m2/s2] of changes made and wanted that a joint has to its credit to begin with."""
+CLEARLY = 0.1
+"""[1] by which the eta of late answers is the larger one where they are taken for late, so that
+rounding does not decide."""
 TINY = 1e-60
 """[rad2/s2 or m2/s2] so that nothing is divided by nothing."""
 
@@ -93,7 +96,8 @@ class Seen(NamedTuple):
         late = (self.late + TINY) / (self.lately + TINY)
         once = xp.minimum(xp.maximum(once, 0.0), 1.0)
         late = xp.minimum(xp.maximum(late, 0.0), 1.0)
-        return xp.maximum(once, late), xp.where(late > once, late, 0.0)
+        clearly = xp.minimum(xp.maximum((late - once) / CLEARLY, 0.0), 1.0)
+        return xp.maximum(once, late), clearly * late
 
     def going(self, pending: Number, fading: float) -> Number:
         """Return the speed that it has once what it wanted at the last decision is in force."""

@@ -5,6 +5,7 @@ import pytest
 
 from agents.agent import Body, Joints
 from agents.joint import HoldAgent, JointAgent
+from agents.laws import FADES
 from agents.platform import PlatformAgent
 from plant.urdf import load
 from tests.agents.conftest import START
@@ -47,9 +48,10 @@ def test_who_makes_a_step_a_period_decides_every_period(body):
 @pytest.mark.parametrize("ticks", [1, 4])
 def test_how_often_it_decides_does_not_change_how_it_lets_go(body, percepts, ticks):
     period = 0.01
-    agent = JointAgent(body(1, period), memory=1.0)
+    agent = JointAgent(body(5, period), perception="blackboard")
     speed = 0.1
-    for tick in range(0, 40, ticks):  # it goes on as it goes, but for its memory
-        joints = Joints(START, np.array([0, speed, 0, 0, 0, 0]))
+    for tick in range(0, 40, ticks):  # it rolls about the grip point, which serves nothing
+        joints = Joints(START, np.array([0, 0, 0, 0, 0, speed]))
         speed = float(agent.decide(percepts(t=tick * period, joints=joints)))
-    assert speed == pytest.approx(0.1 * np.exp(-0.4), rel=0.05)
+    elapsed = period + tick * period
+    assert speed == pytest.approx(0.1 * np.exp(-elapsed / (FADES * 0.12)), rel=0.05)

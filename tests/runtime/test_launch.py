@@ -37,7 +37,7 @@ def test_the_paper_s_task_is_done_and_nothing_is_left_but_the_record(robot: Robo
 
 
 def test_a_cup_stays_upright_along_the_paper_s_path(robot: Robot) -> None:
-    code, said = robot.run(*SPEED, file="arph-pose.yaml")
+    code, said = robot.run(file="arph-pose.yaml")
     assert code == 0, said
     assert re.search(r"goal reached: the hand is \S+ mm and \S+ deg off at 24.00 s, within", said)
     tracking = robot.summary["evaluation"]["tracking"]
