@@ -16,7 +16,6 @@ from plant.kinematics import Parts
 
 Mask = npt.NDArray[np.bool_]
 """Yes or no for each robot of a batch, or a plain bool where there is none."""
-AT_REST: Parts = (0.0, 0.0, 0.0)  # type: ignore[assignment]
 """The velocity [m/s] of what stands still, for one or for many."""
 
 _MANY = np.ndarray
@@ -66,12 +65,6 @@ def moved(place: Parts, way: Parts, by: float) -> Parts:
 def between(start: Parts, end: Parts) -> Parts:
     """Return the way from a start to an end."""
     return end[0] - start[0], end[1] - start[1], end[2] - start[2]
-
-
-def squared_length(vector: Parts) -> Array:
-    """Return the square of the length (...) of vectors."""
-    x, y, z = vector
-    return x * x + y * y + z * z
 
 
 def known(values: Array) -> bool:
@@ -141,13 +134,3 @@ def where(condition: Mask, yes: Array | float, no: Array | float) -> Array:
 def anywhere(condition: Mask | Array) -> bool:
     """Tell whether a condition holds, or a value is not 0, for any robot."""
     return bool(condition.any() if isinstance(condition, _MANY) else condition)
-
-
-def ramp(value: Array, lower: float, upper: float) -> Array:
-    """Return 0 up to the lower bound, 1 from the upper one on, evenly between: (...)."""
-    return lesser(greater((value - lower) / (upper - lower), 0.0), 1.0)
-
-
-def mixed(one: Array, other: Array | float, share: Array) -> Array:
-    """Return the one (...), with a share of the other, 0 to 1, in its place."""
-    return one + share * (other - one)

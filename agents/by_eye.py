@@ -4,10 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from agents.adaptation import SeenVelocity
 from agents.agent import Array, Body, Goal, Percepts
 from agents.laws import Law
-from agents.sight import View
+from agents.sight import SeenVelocity, View
 from agents.watching import Content, OwnColumn, OwnMotion, SteadyEye
 from plant.kinematics import ArmPose
 

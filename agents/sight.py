@@ -5,8 +5,8 @@ from typing import Literal, NamedTuple, cast
 import numpy as np
 import numpy.typing as npt
 
-from agents.agent import Array, Body, Goal, Percepts
-from agents.arithmetic import AT_REST, known, moved, parts, sqrt
+from agents.agent import Array, Body, Percepts
+from agents.arithmetic import between, known, parts, sqrt
 from plant.kinematics import ArmPose, Parts, kinematics_of
 
 Perception = Literal["auto", "blackboard", "localiser"]
@@ -101,8 +101,29 @@ class Sight:
         return sqrt(x * x + y * y + z * z) < self.SAME + chance
 
 
-def goal_parts(goal: Goal, t: float) -> tuple[Parts, Parts]:
-    """Return where the goal is [m] and how fast it moves [m/s], at plant time `t` [s]."""
-    velocity = parts(goal.velocity)
-    place = moved(parts(goal.position), velocity, goal.moving(t))
-    return place, velocity if goal.moves(t) else AT_REST
+class SeenVelocity:
+    """The velocity of something seen, from two sights of it."""
+
+    GAP = 0.5  # [s] after which an older sight says nothing of the velocity now
+
+    def __init__(self) -> None:
+        """Have seen nothing yet."""
+        self._t = -np.inf
+        self._place: Parts | None = None
+        self._velocity: Parts | None = None
+
+    def after(self, t: float, place: Parts) -> Parts | None:
+        """Return the velocity [m/s] now that it is seen at `place` [m] at `t` [s].
+
+        None when the sight before is too old, or there was none.
+        """
+        elapsed = t - self._t
+        if elapsed == 0:
+            return self._velocity
+        if self._place is None or not 0 < elapsed <= self.GAP:
+            self._velocity = None
+        else:
+            x, y, z = between(self._place, place)
+            self._velocity = x / elapsed, y / elapsed, z / elapsed
+        self._t, self._place = t, place
+        return self._velocity

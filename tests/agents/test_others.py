@@ -12,7 +12,7 @@ from plant.faults import Fault
 from plant.kinematic import KinematicPlant
 from plant.plant import Commands, Setup
 from runtime.config.deployment import load
-from studies.lockstep import true_motion
+from studies.lockstep import decide_all, true_motion
 
 PERIOD = 0.06
 KEPT, FADING = 0.9, 0.8
@@ -56,14 +56,14 @@ def reach(folder, joints: int, *, delay: int = 0, count: int = 12, seconds: floa
     plant = KinematicPlant(Setup(robot, start, period=PERIOD))
     for joint in lock:
         plant.inject(Fault.parse(f"joint/{joint}:locked", robot))
-    agents = [
-        JointAgent(Body(robot, i, PERIOD, [1, i]), perception="blackboard") for i in range(joints)
-    ]
-    late = [np.zeros((count, joints))] * delay
+    agents = {
+        f"joint/{i + 1}": JointAgent(Body(robot, i, PERIOD, [1, i]), perception="blackboard")
+        for i in range(joints)
+    }
+    late = [Commands(np.zeros((count, joints)), np.zeros((count, 2)))] * delay
     for _ in range(round(seconds / PERIOD)):
-        percepts = Percepts.of(plant.read(), goal)
-        late.append(np.stack([agent.decide(percepts) for agent in agents], -1))
-        plant.write(Commands(late.pop(0), None))
+        late.append(decide_all(agents, Percepts.of(plant.read(), goal), start.shape))
+        plant.write(late.pop(0))
         plant.step()
     return np.linalg.norm(np.asarray(true_motion(plant).position) - goal.position, axis=-1)
 
