@@ -21,7 +21,7 @@ ANEW = 2.0
 one of many joints would always be moving."""
 PATIENCE = 0.25, 0.5
 """[horizons] for each joint of the arm, without coming nearer, by chance between, so that an arm of
-many is not always moving: twice loses 0 to 9 of 100 (seed 1)."""
+many is not always moving: 1.7 times loses 2 to 9 of 100 (seed 1)."""
 LASTS = 0.1, 0.25
 """[1] of the time that its range, or a full turn, takes it at top speed, by chance
 between, and a horizon at least: half or twice of it loses 2 to 10 of 100."""

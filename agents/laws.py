@@ -144,7 +144,7 @@ class LineByModel(Law):
         fades = tuple(fading * each for each in going)
         ahead, places = self._ahead(xp, q, fades, base, last, t)
         aim = aim_at(xp, goal, t, horizon)
-        off = Off(ahead.tip_parts, turned_against(xp, ahead.rotation_parts, aim))
+        off = Off(ahead.tip_parts, turned_against(xp, ahead, aim))
         step, changes = left_by_others(
             xp, self._links, self._joint, ahead, off, aim, self._lever2, horizon, places, going,
             shares, max(elapsed, self._body.period), fading,
@@ -209,7 +209,7 @@ class LineByModel(Law):
         same = stands == last.goal
         since = last.stands if same else t
         aim = aim_at(xp, goal, t)
-        off = Off(arm.tip_parts, turned_against(xp, arm.rotation_parts, aim))
+        off = Off(arm.tip_parts, turned_against(xp, arm, aim))
         distance = xp.sqrt(cost(off, aim.place, self._lever2))
         after = kick.watched(
             xp, last.kick if same else kick.begun(t), t, t - since, distance, self._reach,

@@ -14,11 +14,14 @@ axis to where C is least. What the directions differ by is one rotation, the uni
     sum_c (a . u_c)(a . v_c) = w^2 - |r|^2 + 2 (a . r)^2.
 """
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
+import numpy as np
+
 from agents.agent import Goal
-from agents.number import Namespace, Number, Vector, components
+from agents.number import ONE, Namespace, Number, Vector, components
+from plant import scalar
+from plant.kinematics import ArmPose, quaternion
 
 Quaternion = tuple[Number, Number, Number, Number]
 """w, x, y, z of unit quaternions."""
@@ -86,21 +89,21 @@ def product(one: Quaternion, other: Quaternion) -> Quaternion:
     )
 
 
-def turned_against(xp: Namespace, rotation: Sequence[Number], aim: Aim) -> Quaternion | None:
+def turned_against(xp: Namespace, arm: ArmPose, aim: Aim) -> Quaternion | None:
     """Return the rotation that takes the aim's directions to the hand's; None where it is free.
 
     Args:
         xp: The namespace.
-        rotation: (9) matrix of the hand, row by row.
+        arm: The arm of the hand.
         aim: Where the hand should be.
     """
     if aim.turn is None:
         return None
-    xx, xy, xz, yx, yy, yz, zx, zy, zz = rotation
-    w = 0.5 * xp.sqrt(xp.maximum(1.0 + xx + yy + zz, 0.0))
-    x = xp.copysign(0.5 * xp.sqrt(xp.maximum(1.0 + xx - yy - zz, 0.0)), zy - yz)
-    y = xp.copysign(0.5 * xp.sqrt(xp.maximum(1.0 - xx + yy - zz, 0.0)), xz - zx)
-    z = xp.copysign(0.5 * xp.sqrt(xp.maximum(1.0 - xx - yy + zz, 0.0)), yx - xy)
+    x, y, z, w = (
+        scalar.quaternion(arm.rotation_parts)
+        if xp is ONE
+        else np.moveaxis(quaternion(arm.rotation), -1, 0)
+    )
     b, c, d, e = aim.turn
     if aim.rolls:  # of the goals turned about their own z, the hand's projection on their plane
         same = w * b + x * c + y * d + z * e

@@ -143,7 +143,7 @@ class Kinematics:
     def of_parts(self, q: Sequence[Any], base: Sequence[Any]) -> ArmPose:
         """Return the same of n positions and the base's three, each of them (...) or a float."""
         if isinstance(q[0], float):
-            return ArmPose(self._of_one(*base, *q), ())
+            return self.forward_of_one(q, base)
         return ArmPose(self._of_many(*base, *q), np.shape(q[0]))
 
     def _forward_of_many(self, q: Array, base: Array) -> ArmPose:

@@ -34,7 +34,7 @@ STEP = float(np.radians(5.0))
 NEAR = 0.005
 """Distance to the goal at which a motion ends [m]."""
 LAW: Final = "line"
-"""Law of MSMA's joints: the line with an even part for all joints."""
+"""Law of MSMA's joints."""
 FOLDED = np.radians([90.0, -150.0, 145.0, -140.0, 135.0])
 STRETCHED = np.radians([70.0, 12.0, -10.0, 12.0, -8.0])
 FAR, CLOSE = np.array([0.75, 0.5]), np.array([0.3, 0.12])
@@ -192,6 +192,7 @@ def both(q: Array, goal: Array) -> list[tuple[Motion, Motion]]:
     agents: dict[str, Agent] = {
         f"joint/{i + 1}": JointAgent(
             Body(robot, i, PERIOD, i),
+            law=LAW,
             perception="blackboard",
         )
         for i in range(robot.n)

@@ -63,7 +63,7 @@ def smallest_error(
             base[:, :2] += (goal - kinematics.forward(postures, base).tip)[:, :2]
         for joint in set(range(robot.n)) - set(stuck):
             pose = kinematics.forward(postures, base)
-            off = Off(pose.tip_parts, turned_against(MANY, pose.rotation_parts, aim))
+            off = Off(pose.tip_parts, turned_against(MANY, pose, aim))
             axis, point = pose.axis_parts(joint), pose.point_parts(joint)
             slides = robot.joints[joint].slides
             moved = postures[:, joint] + best_step(
@@ -73,6 +73,6 @@ def smallest_error(
     if roams:
         base[:, :2] += (goal - kinematics.forward(postures, base).tip)[:, :2]
     pose = kinematics.forward(postures, base)
-    off = Off(pose.tip_parts, turned_against(MANY, pose.rotation_parts, aim))
+    off = Off(pose.tip_parts, turned_against(MANY, pose, aim))
     best = int(cost(off, aim.place, lever2).argmin())
     return hand_error(pose.tip[best].tolist(), quaternion(pose.rotation[best]).tolist(), aim)

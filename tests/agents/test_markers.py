@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from agents.agent import Goal
-from agents.markers import Off, after_step, aim_at, best_step, cost, product, turned_against
+from agents.markers import Aim, Off, after_step, aim_at, best_step, cost, product, turned_against
 from agents.number import MANY, ONE, components
-from plant.kinematics import kinematics_of, quaternion
+from plant.kinematics import ArmPose, kinematics_of, quaternion
 from plant.urdf import load
 
 LEVER2 = 0.02
@@ -25,7 +25,7 @@ def hand_and_aim(robot, seed, free="nothing", batch=()):
     goal = Goal(there.tip, np.zeros(3), 0.0, 0.0, quaternion(there.rotation), None, free)
     xp = MANY if batch else ONE
     aim = aim_at(xp, goal, 0.0)
-    return xp, arm, aim, Off(arm.tip_parts, turned_against(xp, arm.rotation_parts, aim)), there
+    return xp, arm, aim, Off(arm.tip_parts, turned_against(xp, arm, aim)), there
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -59,7 +59,7 @@ def test_a_hand_that_may_roll_is_not_asked_to(seven):
     w, x, y, z = product((turn[3], turn[0], turn[1], turn[2]), rolled)
     goal = Goal(place, np.zeros(3), 0.0, 0.0, np.array([x, y, z, w]), None, "roll")
     aim = aim_at(ONE, goal, 0.0)
-    off = Off(there.tip_parts, turned_against(ONE, there.rotation_parts, aim))
+    off = Off(there.tip_parts, turned_against(ONE, there, aim))
     assert cost(off, aim.place, LEVER2) == pytest.approx(0.0, abs=1e-12)
 
 
@@ -75,3 +75,15 @@ def test_a_batch_is_as_one_robot_at_a_time(seven):
         point = components(arm.points[i, 2])
         place = tuple(each[i] for each in aim.place)
         assert best_step(ONE, one, place, LEVER2, axis, point, False) == pytest.approx(steps[i])
+
+
+@pytest.mark.parametrize("batch", [(), (2,)])
+@pytest.mark.parametrize("yaw", [0.5, np.pi / 2, 2.0, -1.0, -np.pi / 2])
+def test_a_hand_that_points_down_as_its_goal_does_is_not_off(yaw, batch):
+    half = 0.5 * yaw  # half a turn about a level axis: w is 0, and tells no sign of x and y
+    c, s = np.cos(yaw), np.sin(yaw)
+    numbers = [0.0, 0.0, 0.0, c, s, 0.0, s, -c, 0.0, 0.0, 0.0, -1.0]
+    turn = 0.0, np.cos(half), np.sin(half), 0.0
+    pose = ArmPose([np.full(batch, one) for one in numbers] if batch else numbers, batch)
+    off = turned_against(MANY if batch else ONE, pose, Aim((0.0, 0.0, 0.0), turn, False))
+    np.testing.assert_allclose(off[1:], 0.0, atol=1e-9)
