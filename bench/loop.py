@@ -5,7 +5,7 @@ machine for this number of Python processes with these laws and messages.
 """
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Container, Mapping
 from dataclasses import asdict
 from pathlib import Path
 from statistics import median
@@ -49,16 +49,23 @@ class LoopBench(Bench):
     name = "loop"
     title = "The loop of a plant and seven agents, beside an echo over plain Zenoh"
 
-    def __init__(self, rates: Mapping[int, float] = RATES, rounds: int = ROUNDS) -> None:
-        """Measure at rates [Hz], each for a duration [s] in each round."""
-        self._rates, self._rounds = rates, rounds
+    def __init__(
+        self,
+        rates: Mapping[int, float] = RATES,
+        rounds: int = ROUNDS,
+        detailed: Container[int] = DETAILED,
+    ) -> None:
+        """Measure at rates [Hz], each for a duration [s] in each round; some with all variants."""
+        self._rates, self._rounds, self._detailed = rates, rounds, detailed
 
     def measure(self, size: float, progress: Progress) -> Result:
         """Measure all systems at each rate, interleaved."""
         rounds = max(round(self._rounds * min(4 * size, 1)), 1)
         off: dict[int, list[float]] = {rate: [] for rate in self._rates}
         sides = {
-            rate: _sides(rate, max(full * size, 1.0), off[rate], progress)
+            rate: _sides(
+                rate, max(full * size, 1.0), off[rate], progress, detailed=rate in self._detailed
+            )
             for rate, full in self._rates.items()
         }
         progress.begin(rounds * sum(len(at_rate) for at_rate in sides.values()))
@@ -102,7 +109,7 @@ class LoopBench(Bench):
 
 
 def _sides(
-    rate: int, seconds: float, errors: list[float], progress: Progress
+    rate: int, seconds: float, errors: list[float], progress: Progress, *, detailed: bool
 ) -> dict[str, Callable[[], Measurement]]:
     """Return functions that measure each system at a rate.
 
@@ -111,6 +118,7 @@ def _sides(
         seconds: Duration [s].
         errors: Takes the worst error of the hand in MSMA's runs [m].
         progress: Receives which system is measured.
+        detailed: Measure the variants too.
     """
 
     def ours(*, every_state: bool = False) -> Measurement:
@@ -137,7 +145,7 @@ def _sides(
         OURS: ours,
         PLAIN: lambda: run_plain(hertz, seconds),
     }
-    if rate in DETAILED:
+    if detailed:
         sides[DECIDING] = lambda: run_plain(hertz, seconds, decides=True)
         sides[EVERY_STATE] = lambda: ours(every_state=True)
         sides[BUSY] = beside_busy_loops
@@ -223,7 +231,7 @@ def _beside(figures: Mapping[str, str]) -> str:
 
 def work_tables(found: Mapping[int, Runs]) -> list[Table]:
     """Return the cost of unpacking, deciding and packing per tick, alone and beside the others."""
-    rates = [rate for rate in found if rate in DETAILED]
+    rates = [rate for rate, sides in found.items() if DECIDING in sides]
     if not rates:
         return []
     rows = []

@@ -100,13 +100,17 @@ def run(
         forkserver.stdin.flush()
         started = await_event(forkserver.stdout, STARTED, SPARE)["pids"]
         pids = dict(zip(commands, started, strict=True))
-        await_event(forkserver.stdout, GO, PATIENCE + SPARE)
+
+        def check_all_alive() -> None:
+            for role, pid in pids.items():
+                if not is_alive(pid):
+                    raise BenchError(f"{role} ended while it was measured: {commands[role]}")
+
+        await_event(forkserver.stdout, GO, PATIENCE + SPARE, check_all_alive)
         ready = time.monotonic() - began - SETTLE
         meter = Meter(pids)
-        done = await_event(forkserver.stdout, DONE, 1.5 * seconds + SPARE)
-        for role, pid in pids.items():
-            if not is_alive(pid):
-                raise BenchError(f"{role} ended while it was measured: {commands[role]}")
+        done = await_event(forkserver.stdout, DONE, 1.5 * seconds + SPARE, check_all_alive)
+        check_all_alive()
         return Measurement(done, meter.usage(), ready)
 
 

@@ -14,7 +14,10 @@ from typing import Any, TypeVar
 
 import pytest
 
+from runtime.config.deployment import load
+from runtime.results.evaluation import SETTLING
 from runtime.results.logs import read_log
+from runtime.results.run_log import read_run_log
 from runtime.wire import topics
 from runtime.wire.bus import Bus
 from runtime.wire.mesh import on_loopback, port_base
@@ -25,9 +28,10 @@ ROOT = Path(__file__).parents[2]
 signal.signal(signal.SIGINT, signal.default_int_handler)
 # A shell that has pytest in the background ignores it, and all that is started here would too.
 T = TypeVar("T")
+CLOSE = 0.003
+"""Largest error of a hand that follows its goal, where all its agents answer in time [m]."""
 FOLLOWS = 0.05
-"""Largest error of a hand that follows its goal in real time [m]: on a busy machine the answers of
-its agents come several periods late. How closely it follows is judged in step (tests/agents)."""
+"""The same where a busy machine lets them answer several periods late [m]."""
 TOLERANCE = 0.02
 """Error at the end of a run that counts as having reached the goal [m], for the same reason."""
 SOON = 15.0
@@ -164,6 +168,14 @@ class Robot:
     def run_folder(self) -> Path:
         """The folder of its last run."""
         return max((self.folder / "runs").iterdir(), key=lambda folder: folder.stat().st_mtime)
+
+    @property
+    def follows(self) -> float:
+        """How closely the hand has to follow in its last run [m], as its commands came in time."""
+        record = read_run_log(self.run_folder)
+        period: float = load(self.run_folder / "deployment.yaml").period
+        in_time = record.age[record.t >= SETTLING] < 2 * period
+        return CLOSE if in_time.all() else FOLLOWS
 
     @property
     def summary(self) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.runtime.conftest import FOLLOWS, RUN_DEADLINE, SOON, Robot, wait_for
+from tests.runtime.conftest import RUN_DEADLINE, SOON, Robot, wait_for
 
 ROLES = ["plant", "goal", *(f"joint/{number}" for number in range(1, 7)), "platform"]
 
@@ -23,7 +23,7 @@ def test_the_paper_s_task_is_done_and_nothing_is_left_but_the_record(robot: Robo
     assert "goal reached" in said
     summary = robot.summary
     evaluation = summary["evaluation"]
-    assert evaluation["tracking"]["worst"] < FOLLOWS
+    assert evaluation["tracking"]["worst"] < robot.follows
     assert evaluation["platform"]["least_speed"] > -1e-6
     assert abs(evaluation["platform"]["to_hand"]) < 0.7
     assert abs(evaluation["platform"]["arm_yaw"]) < 0.5

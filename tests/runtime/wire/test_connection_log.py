@@ -22,7 +22,7 @@ from runtime.wire.messages import Message, pack, unpack
 from runtime.wire.refusals import MessageError
 from runtime.wire.security import OPERATOR, Credentials, names
 from runtime.wire.zenoh_internals.connection_log import ACCESS_LIST, REJECTED_CONNECTIONS
-from tests.runtime.conftest import FOLLOWS, RUN_DEADLINE, Robot, wait_for
+from tests.runtime.conftest import RUN_DEADLINE, Robot, wait_for
 from tests.runtime.test_launch import ROLES
 from tests.runtime.wire.test_flood import samples
 
@@ -183,7 +183,7 @@ def siege(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Siege]:
 
 def test_the_run_reaches_its_goal(siege: Siege) -> None:
     assert siege.code == 0, siege.out + siege.err
-    assert siege.robot.summary["evaluation"]["tracking"]["worst"] < FOLLOWS
+    assert siege.robot.summary["evaluation"]["tracking"]["worst"] < siege.robot.follows
 
 
 @pytest.mark.parametrize("reason", REASONS)
