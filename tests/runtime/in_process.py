@@ -11,17 +11,19 @@ from runtime.config.overrides import Override
 from runtime.processes.agent_process import AgentNode
 from runtime.processes.process import Process
 from runtime.wire.bus import BusError
-from tests.runtime.conftest import ProcessGroup
+from tests.runtime.conftest import DEADLINE, ProcessGroup
 
 
 def live_as_joint_1(
     processes: ProcessGroup, agent: Agent, period: str, meanwhile: Callable[[], object]
 ) -> None:
     """Start a plant, and let the agent live beside it until `meanwhile` returns."""
+    patience = f"{DEADLINE:g}s"  # the plant may take long to start
     wanted = {"robot": processes.robot, "port": f"{processes.port}", "period": period}
+    wanted["patience"] = patience
     deployment = load(processes.file, [Override("here", *item) for item in wanted.items()])
     member = ProcessSpec("joint/1", deployment.host_of("joint/1"))
-    processes.options += ["--set", f"period={period}"]
+    processes.options += ["--set", f"period={period}", "--set", f"patience={patience}"]
     processes.start("plant")
 
     def live() -> None:
