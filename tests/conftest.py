@@ -1,8 +1,10 @@
 """Settings of all tests: how many run at once, and how property tests judge time."""
 
 import os
+import socket
 import time
 from collections.abc import Generator
+from contextlib import ExitStack
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -25,18 +27,25 @@ def pytest_xdist_auto_num_workers() -> int:
 
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)  # so that no timeout counts the time of waiting
-def pytest_runtest_protocol() -> Generator[None, object, object]:
+def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, object, object]:
     """Run no more tests at once on this machine than there are workers, whoever has started them.
 
     Robots run in real time. If several people test at once, each test takes its turn, or there
-    would be too many robots for the processors.
+    would be too many robots for the processors. Of the tests of benches there is only one at a
+    time: they keep all processors busy, and at a priority that goes before that of other programs.
     """
-    while not (turn := next(filter(None, map(reserve, _TURNS)), None)):
-        time.sleep(0.05)
-    try:
+    with ExitStack() as stack:
+        if item.nodeid.startswith("tests/bench/"):
+            stack.enter_context(_turn(("bench",)))
+        stack.enter_context(_turn(_TURNS))
         return (yield)
-    finally:
-        turn.close()
+
+
+def _turn(names: tuple[str, ...]) -> socket.socket:
+    """Wait until one of the turns of these names is free, and take it."""
+    while not (turn := next(filter(None, map(reserve, names)), None)):
+        time.sleep(0.05)
+    return turn
 
 
 _TURNS = tuple(f"turn-{number}" for number in range(pytest_xdist_auto_num_workers()))

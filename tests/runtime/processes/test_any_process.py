@@ -39,7 +39,7 @@ def test_each_is_hung_once_and_the_hand_gets_there(robot: Robot) -> None:
 
 
 def test_each_is_killed_once_the_launcher_first_and_the_hand_gets_there(robot: Robot) -> None:
-    options = ["--hang=joint/5@0.5:5s", "--kill=launcher@1", "--kill=watcher@12.5"]
+    options = ["--hang=joint/5@0.5:5s", "--kill=launcher@1", "--kill=watcher@22"]
     for index, role in enumerate(ROLES):
         at = 2.5 + 1.2 * index
         options += [f"--kill={role}@{at:g}", f"--revive={role}@{at + 0.5:g}"]

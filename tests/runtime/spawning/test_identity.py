@@ -18,10 +18,11 @@ from runtime.spawning.local import LocalProcesses
 
 STRANGER = """
 import os, signal
-signal.signal(signal.SIGUSR1, lambda *_: os.write(1, b"alive\\n"))  # print is not reentrant
+signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGUSR1])  # none is lost before it waits for it
 os.write(1, b"ready\\n")
 while True:
-    signal.pause()
+    signal.sigwait([signal.SIGUSR1])
+    os.write(1, b"alive\\n")
 """
 
 
