@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from functools import partial
 from typing import NamedTuple
 
@@ -11,10 +12,17 @@ from agents.agent import Agent, Array, Body, Goal, Percepts
 from agents.joint import JointAgent
 from bench.msma_runs import ARPH, deployed
 from plant.kinematic import KinematicPlant
+from plant.kinematics import kinematics_of, quaternion
+from plant.packages import find
 from plant.plant import Commands, Plant, Setup
-from plant.robot import Robot
+from plant.robot import Robot, RobotError
 from plant.urdf import load
 from studies.lockstep import decide_all
+
+POSE = ", pose goal"
+"""End of the names of cases with a goal of position and orientation."""
+UR5 = "example-robot-data", "ur_description/urdf/ur5_robot.urdf"
+"""The package and file of an arm that the project is compared on, if it is installed."""
 
 
 class DecisionCase(NamedTuple):
@@ -72,7 +80,23 @@ def recorded_cases(ticks: int) -> dict[str, DecisionCase]:
         cases[f"joint/2 of planar five, {sees}"] = DecisionCase(
             partial(_joint, planar, 1, sees), percepts
         )
+    arms = {"seven": load("seven")}
+    with suppress(RobotError):  # its package is an extra
+        arms["UR5"] = load(find(*UR5), tip="tool0")
+    for name, arm in arms.items():
+        cases[f"joint/1 of {name}{POSE}"] = DecisionCase(
+            partial(_joint, arm, 0, "auto"), _to_a_pose(arm, ticks)
+        )
     return cases
+
+
+def _to_a_pose(robot: Robot, ticks: int) -> Sequence[Percepts]:
+    """Return the percepts of an arm on its way to a standing position and orientation."""
+    start, there = np.full(robot.n, -0.5), kinematics_of(robot).forward(np.full(robot.n, 0.5))
+    goal = Goal(there.tip, np.zeros(3), 0.0, 0.0, quaternion(there.rotation))
+    plant = KinematicPlant(Setup(robot, start, period=0.02))
+    agents = {f"joint/{i + 1}": _joint(robot, i, "auto") for i in range(robot.n)}
+    return _run(plant, agents, lambda _: goal, ticks).percepts
 
 
 def _joint(robot: Robot, index: int, perception: str) -> Agent:

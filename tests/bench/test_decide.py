@@ -21,7 +21,8 @@ def test_what_is_timed_is_really_done(monkeypatch: pytest.MonkeyPatch, tmp_path:
     bench = DecideBench()
     result = bench.measure(0.01, Progress())
     assert result.sound, result.checks
-    assert len(result.bars) == 2
+    assert len(result.bars) == 3
+    assert "pose goal" in result.bars[1].measured
     for table in result.tables:
         assert table.rows
         assert all(len(row) == len(table.head) for row in table.rows)
