@@ -5,8 +5,8 @@ from typing import NamedTuple
 import numpy as np
 
 from agents.agent import Array, Body, Goal, Percepts
-from agents.laws import Law
-from agents.sight import SeenVelocity, View
+from agents.laws import GAP, Law
+from agents.sight import View
 from agents.watching import Content, OwnColumn, OwnMotion, SteadyEye
 from plant.kinematics import ArmPose
 
@@ -80,12 +80,11 @@ class LineByEye(Law):
         """Hear what a model knows while it serves."""
         if view.arm is None or (self._told and t - self._told[-1].t < 0.9 * self._window):
             return
-        told = Told(t, view.arm, joint, np.clip(speed, -self._top_speed, self._top_speed))
-        self._told = (*self._told[-1:], told)
+        self._told = (*self._told[-1:], Told(t, view.arm, joint, speed))
 
     def _take_over(self, t: float) -> None:
         """Begin afresh, from what a model told if that is not long ago."""
-        fresh = [told for told in self._told if 0 < t - told.t <= SeenVelocity.GAP]
+        fresh = [told for told in self._told if 0 < t - told.t <= GAP]
         self._told = ()
         self._begin(fresh[-1].column if fresh else None)
         for told in fresh:
@@ -97,7 +96,7 @@ class LineByEye(Law):
     def velocity(self, percepts: Percepts, goal: Goal, view: View) -> Array:
         """Return the velocity (...) [rad/s]; the encoder, if there is one, is not looked at."""
         t = percepts.t
-        if self._told or (self._t is not None and not 0 <= t - self._t <= SeenVelocity.GAP):
+        if self._told or (self._t is not None and not 0 <= t - self._t <= GAP):
             self._take_over(t)
         elapsed = self._window if self._t is None else t - self._t
         if elapsed < 0.9 * self._window:

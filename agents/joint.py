@@ -1,13 +1,13 @@
 """The agents of the arm's joints."""
 
-from typing import Annotated, Literal, cast
+from typing import Annotated, Literal
 
 import numpy as np
 
 from agents.agent import REST, Agent, AgentError, Array, Body, Percepts
-from agents.arithmetic import anywhere, element, within
 from agents.by_eye import LineByEye
 from agents.laws import Law, LineByModel, StepByEye, StepByModel
+from agents.number import MANY, ONE, Number, components, namespace_of
 from agents.sight import Perception, Sight
 
 
@@ -55,7 +55,7 @@ class JointAgent(Agent):
         if law == "fixed-step":
             self.rest = 0.0  # a step is for a period
             speed = step / body.period
-            self._by_model = StepByModel(self._joint, speed=speed, period=body.period)
+            self._by_model = StepByModel(body, self._joint, speed=speed)
             self._by_eye = StepByEye(speed)
         else:
             self.rest = REST * horizon
@@ -71,17 +71,17 @@ class JointAgent(Agent):
         if view is None or goal is None:
             self.perception = "none"
             return None
-        self.perception = "blackboard" if view.certain else "localiser"
-        if view.certain:
-            velocity = self._by_model.velocity(percepts, goal, view)
-            if self._may_fail:
-                self._by_eye.listen(percepts.t, view, self._joint, velocity)
-        else:
-            velocity = self._by_eye.velocity(percepts, goal, view)
-            if np.any(view.modelled):
-                by_model = self._by_model.velocity(percepts, goal, view)
-                velocity = np.where(view.modelled, by_model, velocity)
-        return within(velocity, self._top_speed)
+        certain = view.certain
+        self.perception = "blackboard" if certain else "localiser"
+        velocity = (self._by_model if certain else self._by_eye).velocity(percepts, goal, view)
+        if not certain and np.any(view.modelled):
+            by_model = self._by_model.velocity(percepts, goal, view)
+            velocity = np.where(view.modelled, by_model, velocity)
+        xp = ONE if isinstance(velocity, float) else MANY
+        within: Array = xp.clip(velocity, -self._top_speed, self._top_speed)
+        if certain and self._may_fail:
+            self._by_eye.listen(percepts.t, view, self._joint, within)
+        return within
 
 
 class HoldAgent(Agent):
@@ -102,7 +102,7 @@ class HoldAgent(Agent):
         if not rate > 0:
             raise AgentError(f"rate: {rate:g} must be positive")
         self._joint = joint_of(body)
-        self._angle: Array | None = None if angle is None else cast("Array", angle)
+        self._angle: Number = angle
         self._rate = min(rate, 1 / body.period)
         self.sees = frozenset(("joints",))
         self.rest = 0.02 / rate
@@ -112,14 +112,15 @@ class HoldAgent(Agent):
         if percepts.joints is None:
             self.perception = "none"
             return None
-        seen = element(percepts.joints.position, self._joint)
-        if anywhere(seen != seen):  # not a number
+        seen = components(percepts.joints.position)[self._joint]
+        if namespace_of(percepts.joints.position).any(seen != seen):  # not a number
             self.perception = "none"
             return None
         self.perception = "blackboard"
         if self._angle is None:
             self._angle = seen
-        return self._rate * (self._angle - seen)
+        velocity: Array = self._rate * (self._angle - seen)
+        return velocity
 
 
 def joint_of(body: Body) -> int:

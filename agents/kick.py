@@ -11,7 +11,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from agents.agent import Body
 from agents.number import Namespace, Number
+from agents.others import Link
 
 NEARER = 0.97
 """[1] of the least distance so far, or less, is nearer: 0.9 takes slow approaches for none and
@@ -40,6 +42,8 @@ class Kick(NamedTuple):
     """What a joint remembers of it.
 
     Attributes:
+        goal: Which one stands still, as bytes.
+        stands: Since when [s].
         least: Distance of hand and goal that came last as nearer [m].
         since: When that was [s].
         chance: From 0 to 1: how patient it is.
@@ -47,6 +51,8 @@ class Kick(NamedTuple):
         place: Where it leads to [rad or m].
     """
 
+    goal: bytes
+    stands: float
     least: Number
     since: Number
     chance: Number
@@ -54,50 +60,47 @@ class Kick(NamedTuple):
     place: Number
 
 
-def begun(t: float) -> Kick:
-    """Return the memory of a goal that is new at `t` [s]."""
-    return Kick(np.inf, t, 0.5, -np.inf, 0.0)
+class Kicks:
+    """When a joint of an arm moves by chance, and where to."""
 
+    def __init__(self, body: Body, own: Link, reach: float, horizon: float) -> None:
+        """Move a joint of that body, whose arm has a reach [m] and decides for a horizon [s]."""
+        self._body, self._horizon = body, horizon
+        self._patience = body.robot.n * horizon
+        self._close, self._reached = CLOSE[0] * reach, REACHED * reach
+        half = 0.5 * min(own.upper - own.lower, np.inf if own.slides else 2.0 * FULL_TURN)
+        middle = min(max(0.0, own.lower + half), own.upper - half)
+        self._bounds = middle - half, middle + half
+        self._speed, self._span = own.speed, 2.0 * (half if own.slides else FULL_TURN)
 
-def watched(
-    xp: Namespace, kick: Kick, t: float, stood: float, distance: Number, reach: float,
-    horizon: float, joints: int, speed: float, span: float, bounds: tuple[float, float],
-    rng: np.random.Generator,
-) -> Kick:  # fmt: skip
-    """Return the memory after a look at `t` [s]; the joint moves by chance while t < `until`.
+    def watched(
+        self, xp: Namespace, kick: Kick | None, goal: bytes, t: float, distance: Number
+    ) -> Kick:
+        """Return the memory after a look at `t` [s]; the joint moves by chance while t < `until`.
 
-    Args:
-        xp: The namespace.
-        kick: The memory before.
-        t: Plant time [s].
-        stood: How long the goal has stood still [s].
-        distance: Of hand and goal [m]: the root of their cost.
-        reach: Of the arm [m].
-        horizon: [s].
-        joints: Number of joints of the arm.
-        speed: Its top speed [rad/s or m/s].
-        span: Its range, a full turn where it turns [rad or m].
-        bounds: Between which to move [rad or m].
-        rng: The source of chance.
-    """
-    nearer = (distance < NEARER * kick.least) | (distance > ANEW * kick.least)
-    least = xp.where(nearer, distance, kick.least)
-    since = xp.where(nearer, t, kick.since)
-    patience = joints * horizon * (PATIENCE[0] + (PATIENCE[1] - PATIENCE[0]) * kick.chance)
-    patience = patience * xp.where(distance < CLOSE[0] * reach, CLOSE[1], 1.0)
-    patience = patience * max(stood / (RARER * horizon), 1.0)
-    goes = (t - since > patience) & (distance > REACHED * reach)
-    if not xp.any(goes):
-        return kick._replace(least=least, since=since)
-    draws = rng.random((3, *np.shape(goes)))
-    one, two, three = draws if np.shape(goes) else draws.tolist()
-    lasts = (LASTS[0] + (LASTS[1] - LASTS[0]) * two) * span / speed
-    until = t + xp.maximum(lasts, horizon)
-    place = bounds[0] + (bounds[1] - bounds[0]) * three
-    return Kick(
-        xp.where(goes, np.inf, least),
-        xp.where(goes, until, since),
-        xp.where(goes, one, kick.chance),
-        xp.where(goes, until, kick.until),
-        xp.where(goes, place, kick.place),
-    )
+        Args:
+            xp: The namespace.
+            kick: The memory before; None if there was no goal or it moved.
+            goal: Which one stands still, as bytes.
+            t: Plant time [s].
+            distance: Of hand and goal [m]: the root of their cost.
+        """
+        if kick is None or kick.goal != goal:
+            kick = Kick(goal, t, np.inf, t, 0.5, -np.inf, 0.0)
+        _, stands, least, since, chance, until, place = kick
+        nearer = (distance < NEARER * least) | (distance > ANEW * least)
+        least, since = xp.where(nearer, distance, least), xp.where(nearer, t, since)
+        patience = self._patience * (PATIENCE[0] + (PATIENCE[1] - PATIENCE[0]) * chance)
+        patience = patience * xp.where(distance < self._close, CLOSE[1], 1.0)
+        patience = patience * max((t - stands) / (RARER * self._horizon), 1.0)
+        goes = (t - since > patience) & (distance > self._reached)
+        if xp.any(goes):
+            draws = self._body.rng.random((3, *np.shape(goes)))
+            one, two, three = draws if np.shape(goes) else draws.tolist()
+            lasts = (LASTS[0] + (LASTS[1] - LASTS[0]) * two) * self._span / self._speed
+            until = xp.where(goes, t + xp.maximum(lasts, self._horizon), until)
+            low, high = self._bounds
+            place = xp.where(goes, low + (high - low) * three, place)
+            chance = xp.where(goes, one, chance)
+            least, since = xp.where(goes, np.inf, least), xp.where(goes, until, since)
+        return Kick(goal, stands, least, since, chance, until, place)

@@ -1,20 +1,19 @@
 """What a law is by which a joint turns the hand towards the goal, and those that use a model."""
 
 from abc import ABC, abstractmethod
-from math import exp, inf
-from typing import NamedTuple, cast
+from collections.abc import Sequence
+from math import exp
+from typing import NamedTuple
 
 import numpy as np
 
-from agents import kick
 from agents.agent import Array, Body, Goal, Percepts
-from agents.kick import Kick
-from agents.markers import Off, aim_at, cost, turned_against
-from agents.number import Namespace, Number, Vector, bounded, components, namespace_of
+from agents.kick import Kick, Kicks
+from agents.markers import Aim, Off, after_step, aim_at, cost, place_at, turned_against
+from agents.number import Namespace, Number, Vector, components, namespace_of
 from agents.others import TRUST, Seen, first_seen, left_by_others, links_of
 from agents.sight import View
 from agents.stops import Stops
-from agents.turning import turned
 from plant.kinematics import ArmPose, kinematics_of
 
 LEVER = 0.12
@@ -44,7 +43,7 @@ class Law(ABC):
     def listen(self, t: float, view: View, joint: int, speed: Array) -> None:
         """Hear what a law with a model sees and does, to go on from there when it cannot.
 
-        joint: index of the joint (from 0); speed: (...) that it was told [rad/s or m/s]
+        joint: index of the joint (from 0); speed: (...) that it moves at [rad/s or m/s]
         """
         return  # most laws begin afresh as well
 
@@ -57,18 +56,14 @@ class Last(NamedTuple):
         base: (3) x, y [m] and heading [rad] of the platform; None on a bolted arm.
         seen: Of itself and of each joint beyond.
         changes: What it expected of each [rad/s or m/s].
-        kick: Of its moves by chance.
-        goal: Which goal stands still, as bytes; empty while one moves.
-        stands: Since when [s].
+        kick: Of its moves by chance; None while the goal moves.
     """
 
     t: float
     base: Vector | None
-    seen: tuple[Seen, ...]
-    changes: tuple[Number, ...]
-    kick: Kick
-    goal: bytes
-    stands: float
+    seen: Sequence[Seen]
+    changes: Sequence[Number]
+    kick: Kick | None
 
 
 class LineByModel(Law):
@@ -98,24 +93,19 @@ class LineByModel(Law):
         self, body: Body, joint: int, *, horizon: float, memory: float, bend: float
     ) -> None:
         """Move joint `joint` (from 0) of that body: see `JointAgent` for the rest."""
-        self._joint = joint
+        self._joint, self._period = joint, body.period
         self._links = links_of(body)
         self._kinematics = kinematics_of(body.robot)
-        self._body = body
         self._horizon, self._memory, self._bend = horizon, memory, bend
-        self._reach = reach_of(body)
-        self._lever2 = (LEVER * self._reach) ** 2
-        own = self._links[joint]
-        half = 0.5 * min(own.upper - own.lower, inf if own.slides else 2.0 * kick.FULL_TURN)
-        middle = min(max(0.0, own.lower + half), own.upper - half)
-        self._span = 2.0 * (half if own.slides else kick.FULL_TURN)
-        self._bounds = middle - half, middle + half
-        self._stops = Stops(own.lower, own.upper)
+        reach, own = reach_of(body), self._links[joint]
+        self._lever2, self._near2 = (LEVER * reach) ** 2, (NEAR * reach) ** 2
+        self._stops = None if own.slides else Stops(own.lower, own.upper)
+        self._kicks = Kicks(body, own, reach, horizon)
         self._last: Last | None = None
 
     def velocity(self, percepts: Percepts, goal: Goal, view: View) -> Array:
         """Return the velocity (...) [rad/s or m/s]."""
-        joints, t, horizon = percepts.joints, percepts.t, self._horizon
+        joints, t, horizon, index = percepts.joints, percepts.t, self._horizon, self._joint
         assert joints is not None
         assert view.arm is not None  # it was made of the encoders
         xp = namespace_of(joints.position)
@@ -123,101 +113,76 @@ class LineByModel(Law):
         base = None if percepts.base is None else components(percepts.base)
         last = self._last
         if last is None or not 0.0 <= t - last.t <= GAP:
-            fresh = tuple(first_seen(speed) for speed in speeds[self._joint :])
-            nothing = (0.0,) * len(fresh)
-            last = Last(t - self._body.period, base, fresh, nothing, kick.begun(t), b"", t)
-        elapsed, moves, inner = min(t - last.t, horizon), goal.moves(t), speeds[: self._joint]
-        fading: Number = exp(-elapsed / (self._memory if moves else FADES * horizon))
+            fresh = [first_seen(speed) for speed in speeds[index:]]
+            last = Last(t - self._period, base, fresh, [0.0] * len(fresh), None)
+        elapsed, moves = min(t - last.t, horizon), goal.moves(t)
+        fading = exp(-elapsed / (self._memory if moves else FADES * horizon))
         seen = last.seen
         if elapsed > 0.0:
-            share = exp(-elapsed / (TRUST * horizon))
-            seen = tuple(
-                each.after(change, speed, share, fading)
-                for each, change, speed in zip(
-                    seen, last.changes, speeds[self._joint :], strict=True
-                )
-            )
-        shares, pending = zip(*(each.shares(xp) for each in seen), strict=True)
-        going = inner + tuple(
-            each.going(late, fading) for each, late in zip(seen, pending, strict=True)
-        )
-        fades = tuple(fading * each for each in going)
-        ahead, places = self._ahead(xp, q, fades, base, last, t)
-        aim = aim_at(xp, goal, t, horizon)
+            kept = exp(-elapsed / (TRUST * horizon))
+            seen = [
+                each.after(change, speed, kept, fading)
+                for each, change, speed in zip(seen, last.changes, speeds[index:], strict=True)
+            ]
+        expected = [each.expected(xp, fading) for each in seen]
+        going = *speeds[:index], *[speed for _, speed in expected]
+        places = [
+            xp.clip(here + fading * speed * horizon, lower, upper)
+            for here, speed, (_, lower, upper, _, _) in zip(q, going, self._links, strict=True)
+        ]
+        ahead = self._kinematics.of_parts(places, self._base_ahead(xp, base, last, t))
+        aim = aim_at(xp, goal, t, horizon if moves else 0.0)
         off = Off(ahead.tip_parts, turned_against(xp, ahead, aim))
         step, changes = left_by_others(
-            xp, self._links, self._joint, ahead, off, aim, self._lever2, horizon, places, going,
-            shares, max(elapsed, self._body.period), fading,
+            xp, self._links, index, ahead, off, aim, self._lever2, horizon, places, going,
+            [eta for eta, _ in expected], max(elapsed, self._period), fading,
         )  # fmt: skip
-        own, speed = self._links[self._joint], going[self._joint]
-        if not own.slides:
-            step = self._stops.turn(t, cast("Array", q[self._joint]), cast("Array", step))
-        self._last = Last(t, base, seen, changes, last.kick, b"", t)
-        if not moves:
-            step = self._by_chance(xp, t, goal, view.arm, last, step, places)
-        comfort = 0.0
+        if self._stops is not None:
+            step = self._stops.turn(xp, t, q[index], step)
+        kick = None if moves else self._watched(xp, t, goal, aim, view.arm, last.kick)
+        if kick is not None:
+            step = xp.where(t < kick.until, kick.place - places[index], step)
+        self._last = Last(t, base, seen, changes, kick)
+        own, comfort = self._links[index], 0.0
         if self._bend:
-            side = xp.where(q[self._joint] < 0.0, -1.0, 1.0)
-            short = xp.maximum(self._bend - side * q[self._joint], 0.0)
+            side = xp.where(q[index] < 0.0, -1.0, 1.0)
+            short = xp.maximum(self._bend - side * q[index], 0.0)
             comfort = side * short / self._memory
-        velocity = comfort + (speed - comfort) * fading + step / horizon
+        velocity: Array = comfort + (going[index] - comfort) * fading + step / horizon
         if base is not None:
-            velocity = bounded(xp, velocity, own.speed * self._leaves(xp, view.arm, goal, t))
-        if moves:
-            return cast("Array", velocity)
-        now = xp.abs(step + fading * speed * horizon)
-        most = BRAKES * xp.sqrt(2.0 * own.acceleration * now)
-        return cast("Array", bounded(xp, velocity, xp.maximum(most, LEAST_SPEED * own.speed)))
+            (ex, ey, _), (gx, gy, _) = view.arm.tip_parts, place_at(goal, goal.moving(t))
+            off2 = xp.maximum((gx - ex) ** 2 + (gy - ey) ** 2, self._near2)
+            most = own.speed * (self._near2 / off2)
+            velocity = xp.clip(velocity, -most, most)
+        if not moves:
+            now = xp.abs(step + fading * going[index] * horizon)
+            most = BRAKES * xp.sqrt(2.0 * own.acceleration * now)
+            most = xp.maximum(most, LEAST_SPEED * own.speed)
+            velocity = xp.clip(velocity, -most, most)
+        return velocity
 
-    def _ahead(
-        self, xp: Namespace, q: tuple[Number, ...], speeds: tuple[Number, ...],
-        base: Vector | None, last: Last, t: float,
-    ) -> tuple[ArmPose, tuple[Number, ...]]:  # fmt: skip
-        """Return the arm at the end of the horizon, if all goes on as it is, and its positions."""
-        horizon = self._horizon
-        places = tuple(
-            xp.minimum(xp.maximum(here + speed * horizon, link.lower), link.upper)
-            for here, speed, link in zip(q, speeds, self._links, strict=True)
-        )
-        if base is None:
-            return self._kinematics.of_parts(places, (0.0, 0.0, 0.0)), places
+    def _base_ahead(
+        self, xp: Namespace, base: Vector | None, last: Last, t: float
+    ) -> tuple[Number, ...]:
+        """Return x, y [m], heading [rad] of the base at the end of the horizon, if it goes on."""
+        if base is None or last.base is None or not t > last.t:
+            return base or (0.0, 0.0, 0.0)
         x, y, heading = base
-        if last.base is not None and t > last.t:
-            share = horizon / (t - last.t)
-            before_x, before_y, before = last.base
-            turn = heading - before
-            turn = xp.atan2(xp.sin(turn), xp.cos(turn))
-            x, y = x + share * (x - before_x), y + share * (y - before_y)
-            heading = heading + share * turn
-        return self._kinematics.of_parts(places, (x, y, heading)), places
+        share = self._horizon / (t - last.t)
+        before_x, before_y, before = last.base
+        turn = heading - before
+        turn = xp.atan2(xp.sin(turn), xp.cos(turn))
+        return x + share * (x - before_x), y + share * (y - before_y), heading + share * turn
 
-    def _leaves(self, xp: Namespace, arm: ArmPose, goal: Goal, t: float) -> Number:
-        """Return what share of its top speed it uses, while the goal is far on the level."""
-        (ex, ey, _), (gx, gy, _) = arm.tip_parts, aim_at(xp, goal, t).place
-        near = NEAR * self._reach
-        return near * near / xp.maximum((gx - ex) ** 2 + (gy - ey) ** 2, near * near)
-
-    def _by_chance(
-        self, xp: Namespace, t: float, goal: Goal, arm: ArmPose, last: Last, step: Number,
-        places: tuple[Number, ...],
-    ) -> Number:  # fmt: skip
-        """Return the step, or one by chance."""
-        assert self._last is not None
+    def _watched(
+        self, xp: Namespace, t: float, goal: Goal, aim: Aim, arm: ArmPose, kick: Kick | None
+    ) -> Kick:
+        """Return the memory of moves by chance, after a look at the hand and a goal that stands."""
         stands = goal.position.tobytes()
         if goal.orientation is not None:
             stands += goal.orientation.tobytes()
-        same = stands == last.goal
-        since = last.stands if same else t
-        aim = aim_at(xp, goal, t)
         off = Off(arm.tip_parts, turned_against(xp, arm, aim))
-        distance = xp.sqrt(cost(off, aim.place, self._lever2))
-        after = kick.watched(
-            xp, last.kick if same else kick.begun(t), t, t - since, distance, self._reach,
-            self._horizon, len(self._links), self._links[self._joint].speed, self._span,
-            self._bounds, self._body.rng,
-        )  # fmt: skip
-        self._last = self._last._replace(kick=after, goal=stands, stands=since)
-        return xp.where(t < after.until, after.place - places[self._joint], step)
+        return self._kicks.watched(xp, kick, stands, t, xp.sqrt(cost(off, aim.place, self._lever2)))
 
 
 def reach_of(body: Body) -> float:
@@ -233,26 +198,26 @@ class StepByModel(Law):
     (section 3.1). Joints that all do so at once end in a limit cycle of about a step's size.
     """
 
-    def __init__(self, joint: int, *, speed: float, period: float) -> None:
-        """Turn joint `joint` (from 0) by `speed` [rad/s] times `period` [s] at each step."""
-        self._joint = joint
-        self._speed = speed
-        self._step = speed * period
+    def __init__(self, body: Body, joint: int, *, speed: float) -> None:
+        """Move joint `joint` (from 0) by `speed` [rad/s or m/s] times a period at each step."""
+        self._joint, self._slides = joint, body.robot.joints[joint].slides
+        self._speed, self._step = speed, speed * body.period
 
     def velocity(self, percepts: Percepts, goal: Goal, view: View) -> Array:
-        """Return plus or minus the step's speed, or 0: (...) [rad/s]."""
+        """Return plus or minus the step's speed, or 0: (...) [rad/s or m/s]."""
+        assert percepts.joints is not None
         assert view.arm is not None
-        point = view.arm.points[..., self._joint, :]
-        axis = view.arm.axes[..., self._joint, :]
-        place = goal.at(percepts.t)
-        ways = np.array([0.0, 1.0, -1.0])
-        distances = np.stack(
-            [
-                ((turned(view.arm.tip, point, axis, way * self._step) - place) ** 2).sum(axis=-1)
-                for way in ways
-            ]
-        )
-        chosen: Array = ways[distances.argmin(axis=0)] * self._speed
+        xp, place = namespace_of(percepts.joints.position), place_at(goal, goal.moving(percepts.t))
+        axis, point = view.arm.axis_parts[self._joint], view.arm.point_parts[self._joint]
+        off = Off(view.arm.tip_parts, None)
+        best: Number = 0.0
+        least = cost(off, place, 0.0)
+        for way in (1.0, -1.0):
+            then = cost(
+                after_step(xp, off, way * self._step, axis, point, self._slides), place, 0.0
+            )
+            best, least = xp.where(then < least, way, best), xp.minimum(then, least)
+        chosen: Array = best * self._speed
         return chosen
 
 

@@ -57,15 +57,12 @@ class Off(NamedTuple):
     turn: Quaternion | None
 
 
-def aim_at(xp: Namespace, goal: Goal, t: float, horizon: float = 0.0) -> Aim:
-    """Return where the goal is `horizon` after plant time `t` [s], if it goes on as it does."""
-    x, y, z = components(goal.position)
-    moving = goal.moving(t) + (horizon if goal.moves(t) else 0.0)
-    if moving:
-        vx, vy, vz = components(goal.velocity)
-        x, y, z = x + vx * moving, y + vy * moving, z + vz * moving
+def aim_at(xp: Namespace, goal: Goal, t: float, further: float = 0.0) -> Aim:
+    """Return where the goal is at plant time `t` [s], or if it goes on for `further` [s] more."""
+    moving = goal.moving(t) + further
+    place = place_at(goal, moving)
     if goal.orientation is None or goal.free == "all":
-        return Aim((x, y, z), None, False)
+        return Aim(place, None, False)
     qx, qy, qz, qw = components(goal.orientation)
     turn = qw, qx, qy, qz
     if moving and goal.angular_velocity is not None:
@@ -74,7 +71,16 @@ def aim_at(xp: Namespace, goal: Goal, t: float, horizon: float = 0.0) -> Aim:
         half = 0.5 * rate * moving
         sine = xp.sin(half) / rate
         turn = product((xp.cos(half), sine * rx, sine * ry, sine * rz), turn)
-    return Aim((x, y, z), turn, goal.free == "roll")
+    return Aim(place, turn, goal.free == "roll")
+
+
+def place_at(goal: Goal, moving: float) -> Vector:
+    """Return the place (3) [m] of a goal that has moved for so long [s]."""
+    x, y, z = components(goal.position)
+    if moving:
+        vx, vy, vz = components(goal.velocity)
+        x, y, z = x + vx * moving, y + vy * moving, z + vz * moving
+    return x, y, z
 
 
 def product(one: Quaternion, other: Quaternion) -> Quaternion:
@@ -143,7 +149,7 @@ def best_step(
         slides: Whether the joint slides.
     """
     ax, ay, az = axis
-    ex, ey, ez = off.tip
+    (ex, ey, ez), turn = off
     gx, gy, gz = place
     if slides:
         return ax * (gx - ex) + ay * (gy - ey) + az * (gz - ez)
@@ -158,8 +164,8 @@ def best_step(
         + rz * sz
         - (ax * rx + ay * ry + az * rz) * (ax * sx + ay * sy + az * sz)
     )
-    if off.turn is not None:
-        w, x, y, z = off.turn
+    if turn is not None:
+        w, x, y, z = turn
         along = ax * x + ay * y + az * z
         sine = sine - 4.0 * lever2 * w * along
         cosine = cosine + 2.0 * lever2 * (w * w - along * along)
@@ -175,9 +181,9 @@ def after_step(
     r + 2 s c a x r + 2 s^2 a x (a x r); the rotation against the goal is multiplied by (c, s a).
     """
     ax, ay, az = axis
-    ex, ey, ez = off.tip
+    (ex, ey, ez), turn = off
     if slides:
-        return Off((ex + step * ax, ey + step * ay, ez + step * az), off.turn)
+        return Off((ex + step * ax, ey + step * ay, ez + step * az), turn)
     px, py, pz = point
     rx, ry, rz = ex - px, ey - py, ez - pz
     s, c = xp.sin(0.5 * step), xp.cos(0.5 * step)
@@ -188,9 +194,7 @@ def after_step(
         ey + f * uy + h * (az * ux - ax * uz),
         ez + f * uz + h * (ax * uy - ay * ux),
     )
-    if off.turn is None:
-        return Off(tip, None)
-    return Off(tip, product((c, s * ax, s * ay, s * az), off.turn))
+    return Off(tip, turn and product((c, s * ax, s * ay, s * az), turn))
 
 
 def cost(off: Off, place: Vector, lever2: float) -> Number:

@@ -20,12 +20,18 @@ Vector = tuple[Number, Number, Number]
 Namespace = Any
 """`ONE` or `MANY`."""
 MANY: Namespace = np
+
+
+def _clip(value: float, least: float, most: float) -> float:
+    value = value if value > least else least
+    return value if value < most else most
+
+
 ONE: Namespace = SimpleNamespace(
     abs=abs,
     atan2=math.atan2,
-    copysign=math.copysign,
+    clip=_clip,
     cos=math.cos,
-    exp=math.exp,
     sin=math.sin,
     sqrt=math.sqrt,
     any=bool,
@@ -44,8 +50,3 @@ def namespace_of(vectors: Array) -> Namespace:
 def components(vectors: Array) -> tuple[Number, ...]:
     """Return the n components (...) of vectors (..., n): floats of a lone one."""
     return tuple(vectors.tolist() if vectors.ndim == 1 else np.moveaxis(vectors, -1, 0))
-
-
-def bounded(xp: Namespace, value: Number, bound: Number) -> Number:
-    """Return the value cut to plus or minus the bound."""
-    return xp.minimum(xp.maximum(value, -bound), bound)

@@ -18,6 +18,7 @@ is the larger one, what was wanted last is added to the speeds seen, as it is st
 predictor of Smith 1957), of one's own speed too.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from agents.agent import Body
@@ -86,22 +87,18 @@ class Seen(NamedTuple):
             kept: Share of the sums that is left.
             fading: Share of its speed that is left, from one decision to the next.
         """
-        y = speed - fading * self.speed
-        made, late = kept * self.made + x * y, kept * self.late + self.change * y
-        return Seen(speed, x, kept * self.wanted + x * x, self.wanted, made, late)
+        before, change, wanted, _, made, late = self
+        y = speed - fading * before
+        made, late = kept * made + x * y, kept * late + change * y
+        return Seen(speed, x, kept * wanted + x * x, wanted, made, late)
 
-    def shares(self, xp: Namespace) -> tuple[Number, Number]:
-        """Return eta, and the part of it that is not yet to be seen at the next decision."""
-        once = (self.made + TINY) / (self.wanted + TINY)
-        late = (self.late + TINY) / (self.lately + TINY)
-        once = xp.minimum(xp.maximum(once, 0.0), 1.0)
-        late = xp.minimum(xp.maximum(late, 0.0), 1.0)
-        clearly = xp.minimum(xp.maximum((late - once) / CLEARLY, 0.0), 1.0)
-        return xp.maximum(once, late), clearly * late
-
-    def going(self, pending: Number, fading: float) -> Number:
-        """Return the speed that it has once what it wanted at the last decision is in force."""
-        return self.speed + pending * ((fading - 1.0) * self.speed + self.change)
+    def expected(self, xp: Namespace, fading: float) -> tuple[Number, Number]:
+        """Return eta, and the speed that it has once what it wanted last is in force."""
+        speed, change, wanted, lately, made, late = self
+        once = xp.clip((made + TINY) / (wanted + TINY), 0.0, 1.0)
+        late = xp.clip((late + TINY) / (lately + TINY), 0.0, 1.0)
+        pending = xp.clip((late - once) / CLEARLY, 0.0, 1.0) * late
+        return xp.maximum(once, late), speed + pending * ((fading - 1.0) * speed + change)
 
 
 def first_seen(speed: Number) -> Seen:
@@ -111,9 +108,9 @@ def first_seen(speed: Number) -> Seen:
 
 def left_by_others(
     xp: Namespace, links: tuple[Link, ...], own: int, ahead: ArmPose, off: Off, aim: Aim,
-    lever2: float, horizon: float, places: tuple[Number, ...], speeds: tuple[Number, ...],
-    shares: tuple[Number, ...], elapsed: float, fading: float,
-) -> tuple[Number, tuple[Number, ...]]:  # fmt: skip
+    lever2: float, horizon: float, places: Sequence[Number], speeds: Sequence[Number],
+    shares: Sequence[Number], elapsed: float, fading: float,
+) -> tuple[Number, Sequence[Number]]:  # fmt: skip
     """Return the best step of a joint after those beyond it, and the change x of each, its first.
 
     Args:
@@ -133,18 +130,20 @@ def left_by_others(
     """
     step: Number = 0.0
     changes = []
+    maximum, minimum = xp.maximum, xp.minimum
     for index in range(len(links) - 1, own - 1, -1):
-        link, place, speed = links[index], places[index], speeds[index]
-        axis, point = ahead.axis_parts(index), ahead.point_parts(index)
-        step = best_step(xp, off, aim.place, lever2, axis, point, link.slides)
-        gain = link.acceleration * elapsed
+        slides, lower, upper, top, acceleration = links[index]
+        place, speed = places[index], speeds[index]
+        axis, point = ahead.axis_parts[index], ahead.point_parts[index]
+        step = best_step(xp, off, aim.place, lever2, axis, point, slides)
+        gain = acceleration * elapsed
         rest = fading * speed
-        least = xp.maximum(-link.speed, speed - gain) - rest
-        most = xp.minimum(link.speed, speed + gain) - rest
-        least = xp.maximum(horizon * least, link.lower - place)
-        most = xp.minimum(horizon * most, link.upper - place)
-        made = xp.minimum(xp.maximum(step, least), most)
+        least = maximum(-top, speed - gain) - rest
+        most = minimum(top, speed + gain) - rest
+        least = maximum(horizon * least, lower - place)
+        most = minimum(horizon * most, upper - place)
+        made = xp.clip(step, least, most)
         changes.append(made / horizon)
         if index > own:
-            off = after_step(xp, off, made * shares[index - own], axis, point, link.slides)
-    return step, tuple(changes[::-1])
+            off = after_step(xp, off, made * shares[index - own], axis, point, slides)
+    return step, changes[::-1]

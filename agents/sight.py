@@ -1,13 +1,13 @@
 """How an agent sees the hand, by the blackboard and a model or by an external eye, and the goal."""
 
-from typing import Literal, NamedTuple, cast
+from typing import Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from agents.agent import Array, Body, Percepts
-from agents.arithmetic import between, known, parts, sqrt
-from plant.kinematics import ArmPose, Parts, kinematics_of
+from agents.number import Number, Vector, components, namespace_of
+from plant.kinematics import ArmPose, kinematics_of
 
 Perception = Literal["auto", "blackboard", "localiser"]
 
@@ -39,13 +39,6 @@ class View(NamedTuple):
             return self.arm.tip
         return np.where(self.modelled[..., None], self.arm.tip, self.eye)
 
-    @property
-    def hand_parts(self) -> Parts:
-        """The same, part by part."""
-        if self.arm is not None and self.modelled is True:
-            return self.arm.tip_parts
-        return parts(self.hand)
-
 
 class Sight:
     """The two ways of the paper, section 3.1, to know where the hand is.
@@ -68,8 +61,8 @@ class Sight:
         self.sees = frozenset(
             {"blackboard": by_model, "localiser": {"hand"}, "auto": by_model | {"hand"}}[perception]
         )
-        self._difference: Parts = cast("Parts", (0.0, 0.0, 0.0))
-        self._spread = cast("Array", 0.0)
+        self._difference: Vector = 0.0, 0.0, 0.0
+        self._spread: Number = 0.0
         self._t: float | None = None
 
     def see(self, percepts: Percepts) -> View | None:
@@ -78,52 +71,29 @@ class Sight:
         hand = None if self._perception == "blackboard" else percepts.hand
         if arm is None:
             return None if hand is None else View(None, hand, False)
-        return View(arm, hand, hand is None or self._agree(percepts.t, arm.tip_parts, parts(hand)))
+        return View(arm, hand, hand is None or self._agree(percepts.t, arm, hand))
 
     def _by_model(self, percepts: Percepts) -> ArmPose | None:
         joints, base = percepts.joints, percepts.base
-        if joints is None or (self._mobile and base is None) or not known(joints.position):
+        if joints is None or (self._mobile and base is None):
+            return None
+        total = sum(components(joints.position))
+        if namespace_of(joints.position).any(total != total):  # one that is lost is not a number
             return None
         return self._kinematics.forward(joints.position, base if self._mobile else None)
 
-    def _agree(self, t: float, by_model: Parts, by_eye: Parts) -> npt.NDArray[np.bool_] | bool:
+    def _agree(self, t: float, arm: ArmPose, eye: Array) -> npt.NDArray[np.bool_] | bool:
         elapsed = 0.0 if self._t is None else min(max(t - self._t, 0.0), self.LASTING)
         self._t = t
         share = elapsed / self.LASTING
-        (eye_x, eye_y, eye_z), (x, y, z) = by_eye, by_model
+        (eye_x, eye_y, eye_z), (x, y, z) = components(eye), arm.tip_parts
         before_x, before_y, before_z = self._difference
         more_x, more_y, more_z = eye_x - x - before_x, eye_y - y - before_y, eye_z - z - before_z
         x, y, z = before_x + share * more_x, before_y + share * more_y, before_z + share * more_z
         self._difference = x, y, z
         surprise = more_x * more_x + more_y * more_y + more_z * more_z
         self._spread = (1 - share) * (self._spread + share * surprise)
+        sqrt = namespace_of(eye).sqrt
         chance = self.SPREADS * sqrt(self._spread * share / (2 - share))
-        return sqrt(x * x + y * y + z * z) < self.SAME + chance
-
-
-class SeenVelocity:
-    """The velocity of something seen, from two sights of it."""
-
-    GAP = 0.5  # [s] after which an older sight says nothing of the velocity now
-
-    def __init__(self) -> None:
-        """Have seen nothing yet."""
-        self._t = -np.inf
-        self._place: Parts | None = None
-        self._velocity: Parts | None = None
-
-    def after(self, t: float, place: Parts) -> Parts | None:
-        """Return the velocity [m/s] now that it is seen at `place` [m] at `t` [s].
-
-        None when the sight before is too old, or there was none.
-        """
-        elapsed = t - self._t
-        if elapsed == 0:
-            return self._velocity
-        if self._place is None or not 0 < elapsed <= self.GAP:
-            self._velocity = None
-        else:
-            x, y, z = between(self._place, place)
-            self._velocity = x / elapsed, y / elapsed, z / elapsed
-        self._t, self._place = t, place
-        return self._velocity
+        agree: npt.NDArray[np.bool_] | bool = sqrt(x * x + y * y + z * z) < self.SAME + chance
+        return agree

@@ -1,11 +1,8 @@
 """The stops of a joint: what to do when the best turn lies beyond one."""
 
-from typing import cast
-
 import numpy as np
 
-from agents.agent import Array
-from agents.arithmetic import anywhere, greater, lesser, where
+from agents.number import Namespace, Number
 
 
 class Stops:
@@ -27,31 +24,33 @@ class Stops:
         """Know the range [rad]; infinite for a joint that turns for ever."""
         self._lower, self._upper = lower, upper
         self._endless = not np.isfinite(upper - lower)
-        self._since = cast("Array", np.inf)
-        self._way = cast("Array", 0.0)
+        self._since: Number = np.inf
+        self._way: Number = 0.0
 
-    def turn(self, t: float, angle: Array, best: Array) -> Array:
-        """Return the turn (...) [rad] to make from `angle`, where `best` would be the best.
+    def turn(self, xp: Namespace, t: float, angle: Number, best: Number) -> Number:
+        """Return the turn [rad] to make, more than half a turn where the joint goes the long way.
 
-        It is more than half a turn where the joint goes the long way.
-
-        t: plant time [s]; angle: (...) of the joint; best: (...) within -pi to pi.
+        Args:
+            xp: The namespace.
+            t: Plant time [s].
+            angle: Of the joint [rad].
+            best: The turn that would be the best from there [rad], within -pi to pi.
         """
         if self._endless:
             return best
-        room = where(best > 0, self._upper - angle, angle - self._lower)
+        room = xp.where(best > 0, self._upper - angle, angle - self._lower)
         size = abs(best)
         beyond = size - room  # [rad] of the best turn that its stop keeps it from
         pressing = (beyond > self.IN_VAIN) & (room < self.AT)
-        if not anywhere(pressing) and not anywhere(self._way):  # as nearly always
-            self._since = cast("Array", np.inf)
+        if not xp.any(pressing) and not xp.any(self._way):  # as nearly always
+            self._since = np.inf
             return best
-        self._since = where(pressing, lesser(self._since, t), np.inf)
-        vain = greater(t - self._since - self.NOTICE, 0.0)
-        there = greater(2 * np.pi - size - (self._upper - self._lower), 0.0)
+        self._since = xp.where(pressing, xp.minimum(self._since, t), np.inf)
+        vain = xp.maximum(t - self._since - self.NOTICE, 0.0)
+        there = xp.maximum(2 * np.pi - size - (self._upper - self._lower), 0.0)
         leaves = pressing & (vain > 0) & (there < beyond + self.URGE * vain)
-        way = where(leaves, where(best > 0, -1.0, 1.0), self._way)
-        end_of_way = where(way > 0, self._upper - angle, angle - self._lower)
+        way = xp.where(leaves, xp.where(best > 0, -1.0, 1.0), self._way)
+        end_of_way = xp.where(way > 0, self._upper - angle, angle - self._lower)
         on_the_long_way = (way * best < 0) & (end_of_way > self.AT) & (beyond > 0)
-        self._way = where(on_the_long_way, way, 0.0)
+        self._way = xp.where(on_the_long_way, way, 0.0)
         return best + self._way * 2 * np.pi

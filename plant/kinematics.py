@@ -23,67 +23,54 @@ class ArmPose:
     (x, y, z) are as they were computed; arrays are made of them when they are asked for.
     """
 
-    def __init__(self, numbers: Sequence[Any], batch: tuple[int, ...]) -> None:
-        """Hold the result of a `forward_function`, with arms of the leading shape `batch`."""
-        self._numbers, self._batch = numbers, batch
-        self._axes_begin = (len(numbers) + 12) // 2  # there are as many as for points
-
-    @property
-    def tip_parts(self) -> Parts:
-        """The tip [m]."""
-        return self._three(0)
-
-    @property
-    def rotation_parts(self) -> Sequence[Any]:
-        """The tip's rotation matrix, row by row (9)."""
-        return self._numbers[3:12]
+    def __init__(
+        self,
+        batch: tuple[int, ...],
+        tip: Parts,
+        rotation: Sequence[Any],
+        points: Sequence[Parts],
+        axes: Sequence[Parts],
+    ) -> None:
+        """Hold the result of a `forward_function`, for arms of the leading shape `batch`."""
+        self.tip_parts = tip  # [m]
+        self.rotation_parts = rotation  # the tip's rotation matrix, row by row (9)
+        self.point_parts = points  # on each joint's axis: its frame's origin at position 0 [m]
+        self.axis_parts = axes  # each joint's, of length 1
+        self._batch = batch
 
     @property
     def tip_of_one(self) -> tuple[Numbers, Numbers]:
         """The tip of one arm: its position [m] (3), and its rotation matrix row by row (9)."""
-        return tuple(self._numbers[:3]), tuple(self._numbers[3:12])
-
-    def point_parts(self, index: int) -> Parts:
-        """Return a point on the axis of joint `index` (from 0): its frame's origin at 0 [m]."""
-        return self._three(12 + 3 * index)
-
-    def axis_parts(self, index: int) -> Parts:
-        """Return the unit axis of joint `index` (from 0)."""
-        return self._three(self._axes_begin + 3 * index)
-
-    def _three(self, begin: int) -> Parts:
-        x, y, z = self._numbers[begin : begin + 3]
-        return x, y, z
+        return self.tip_parts, self.rotation_parts  # type: ignore[return-value]
 
     @cached_property
     def tip(self) -> Array:
         """(..., 3), the tip [m]."""
-        return self._vectors(0, 3)[..., 0, :]
+        return self._vectors(self.tip_parts)[..., 0, :]
 
     @cached_property
     def rotation(self) -> Array:
         """(..., 3, 3), the tip's x, y and z directions as columns."""
-        return self._vectors(3, 12)
+        return self._vectors(self.rotation_parts)
 
     @cached_property
     def points(self) -> Array:
         """(..., n, 3), a point on each joint's axis: the origin of its frame at position 0 [m]."""
-        return self._vectors(12, self._axes_begin)
+        return self._vectors([number for point in self.point_parts for number in point])
 
     @cached_property
     def axes(self) -> Array:
         """(..., n, 3), each joint's unit axis."""
-        return self._vectors(self._axes_begin, len(self._numbers))
+        return self._vectors([number for axis in self.axis_parts for number in axis])
 
-    def _vectors(self, begin: int, end: int) -> Array:
+    def _vectors(self, numbers: Sequence[Any]) -> Array:
         """Return (..., k, 3) of which each number lies side by side for all arms."""
-        numbers = self._numbers[begin:end]
         if not self._batch:
             return np.array(numbers).reshape(-1, 3)
-        table = np.empty((end - begin, *self._batch))
+        table = np.empty((len(numbers), *self._batch))
         for line, number in zip(table, numbers, strict=True):
             line[...] = number
-        return np.moveaxis(table.reshape((end - begin) // 3, 3, *self._batch), (0, 1), (-2, -1))
+        return np.moveaxis(table.reshape(len(numbers) // 3, 3, *self._batch), (0, 1), (-2, -1))
 
 
 @cache
@@ -138,19 +125,19 @@ class Kinematics:
 
     def forward_of_one(self, q: Sequence[float], base: Sequence[float]) -> ArmPose:
         """Return the same for one arm in plain numbers: its n positions, and the base's three."""
-        return ArmPose(self._of_one(*base, *q), ())
+        return ArmPose((), *self._of_one(*base, *q))
 
     def of_parts(self, q: Sequence[Any], base: Sequence[Any]) -> ArmPose:
         """Return the same of n positions and the base's three, each of them (...) or a float."""
         if isinstance(q[0], float):
             return self.forward_of_one(q, base)
-        return ArmPose(self._of_many(*base, *q), np.shape(q[0]))
+        return ArmPose(np.shape(q[0]), *self._of_many(*base, *q))
 
     def _forward_of_many(self, q: Array, base: Array) -> ArmPose:
         """Return the same for any batch, with each number of all arms in one array."""
         batch = np.broadcast_shapes(q.shape[:-1], base.shape[:-1])
         place = base.tolist() if base.ndim == 1 else np.moveaxis(base, -1, 0)
-        return ArmPose(self._of_many(*place, *np.moveaxis(q, -1, 0)), batch)
+        return ArmPose(batch, *self._of_many(*place, *np.moveaxis(q, -1, 0)))
 
     @cached_property
     def _of_many(self) -> Forward:

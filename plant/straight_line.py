@@ -9,7 +9,7 @@ from typing import Any
 
 Link = tuple[float, ...]
 """A link's x, y, z and p, as columns one after the other."""
-Forward = Callable[..., list[Any]]
+Forward = Callable[..., tuple[Any, ...]]
 _ZERO, _ONE, _MINUS_ONE = "0.0", "1.0", "-1.0"
 
 
@@ -22,8 +22,8 @@ def forward_function(
     """Return a function that computes the forward kinematics of one robot.
 
     It takes x, y [m] and heading [rad] of the base, and then the joint positions [rad or m]. It
-    returns a list: the grip point (3), the rotation of the hand by rows (9), a point on each
-    joint's axis (3 n), and the axes (3 n). A number that is the same for all poses is a plain
+    returns tuples: the grip point (3), the rotation of the hand by rows (9), a point on each
+    joint's axis (n of 3), and the axes (n of 3). A number that is the same for all poses is a plain
     float.
 
     Args:
@@ -35,8 +35,8 @@ def forward_function(
     code = _Code(cos, sin)
     x, y, z = (_ONE, _ZERO, _ZERO), (_ZERO, _ONE, _ZERO), (_ZERO, _ZERO, _ONE)
     p: _Column = ("x", "y", _ZERO)
-    points: list[str] = []
-    axes: list[str] = []
+    points: list[_Column] = []
+    axes: list[_Column] = []
     for i, link in enumerate(links):
         u, v = x, y
         if i in sliding:
@@ -52,10 +52,11 @@ def forward_function(
             code.column(f"{name}{i}", weights[first : first + 3], (u, v, z))
             for name, first in (("x", 0), ("y", 3), ("z", 6))
         )
-        points += p
-        axes += z
+        points.append(p)
+        axes.append(z)
     rotation = [row for rows in zip(x, y, z, strict=True) for row in rows]
-    result = [*p, *rotation, *points[:-3], *axes[:-3]]
+    result = [_tuple(p), _tuple(rotation)]
+    result += [_tuple([_tuple(each) for each in every[:-1]]) for every in (points, axes)]
     angles = [f"a{i}" for i in range(len(links))]
     return code.function(["x", "y", *angles], result)
 
@@ -86,11 +87,15 @@ class _Code:
 
     def function(self, arguments: Sequence[str], result: Sequence[str]) -> Forward:
         """Return the function."""
-        last = f"return [{', '.join(result)}]"
+        last = f"return {_tuple(result)}"
         source = "\n    ".join([f"def forward({', '.join(arguments)}):", *self.lines, last])
         exec(source, self._scope)  # of our own making: there are but numbers and names of ours
         forward: Forward = self._scope["forward"]
         return forward
+
+
+def _tuple(items: Sequence[str]) -> str:
+    return "".join(["(", *(f"{item}, " for item in items), ")"])
 
 
 def _sum(weights: Sequence[str], terms: Sequence[str]) -> str:

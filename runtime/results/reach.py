@@ -64,7 +64,7 @@ def smallest_error(
         for joint in set(range(robot.n)) - set(stuck):
             pose = kinematics.forward(postures, base)
             off = Off(pose.tip_parts, turned_against(MANY, pose, aim))
-            axis, point = pose.axis_parts(joint), pose.point_parts(joint)
+            axis, point = pose.axis_parts[joint], pose.point_parts[joint]
             slides = robot.joints[joint].slides
             moved = postures[:, joint] + best_step(
                 MANY, off, aim.place, lever2, axis, point, slides

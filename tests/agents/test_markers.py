@@ -42,7 +42,7 @@ def test_the_cost_is_that_of_the_axes(seven, seed):
 @pytest.mark.parametrize("joint", range(7))
 def test_no_other_step_of_a_joint_costs_less(seven, joint, slides, free):
     xp, arm, aim, off, _ = hand_and_aim(seven, joint, free)
-    axis, point = arm.axis_parts(joint), arm.point_parts(joint)
+    axis, point = arm.axis_parts[joint], arm.point_parts[joint]
     best = best_step(xp, off, aim.place, LEVER2, axis, point, slides)
     costs = [
         cost(after_step(xp, off, best + more, axis, point, slides), aim.place, LEVER2)
@@ -65,7 +65,7 @@ def test_a_hand_that_may_roll_is_not_asked_to(seven):
 
 def test_a_batch_is_as_one_robot_at_a_time(seven):
     xp, arm, aim, off, _ = hand_and_aim(seven, 1, batch=(4,))
-    steps = best_step(xp, off, aim.place, LEVER2, arm.axis_parts(2), arm.point_parts(2), False)
+    steps = best_step(xp, off, aim.place, LEVER2, arm.axis_parts[2], arm.point_parts[2], False)
     for i in range(4):
         one = Off(
             tuple(each[i] for each in off.tip),
@@ -84,6 +84,7 @@ def test_a_hand_that_points_down_as_its_goal_does_is_not_off(yaw, batch):
     c, s = np.cos(yaw), np.sin(yaw)
     numbers = [0.0, 0.0, 0.0, c, s, 0.0, s, -c, 0.0, 0.0, 0.0, -1.0]
     turn = 0.0, np.cos(half), np.sin(half), 0.0
-    pose = ArmPose([np.full(batch, one) for one in numbers] if batch else numbers, batch)
+    parts = [np.full(batch, one) for one in numbers] if batch else numbers
+    pose = ArmPose(batch, parts[:3], parts[3:], (), ())
     off = turned_against(MANY if batch else ONE, pose, Aim((0.0, 0.0, 0.0), turn, False))
     np.testing.assert_allclose(off[1:], 0.0, atol=1e-9)

@@ -33,15 +33,17 @@ def seen_after(delay: int, share: float, count: int = 40):
 
 @pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
 def test_of_a_joint_is_expected_what_it_was_seen_to_do(share):
-    eta, pending = seen_after(0, share).shares(ONE)
+    seen = seen_after(0, share)
+    eta, going = seen.expected(ONE, FADING)
     assert eta == pytest.approx(share, abs=0.1)
-    assert pending == 0.0
+    assert going == seen.speed
 
 
 def test_who_answers_a_decision_late_is_expected_to_answer_yet():
-    eta, pending = seen_after(1, 1.0).shares(ONE)
+    seen = seen_after(1, 1.0)
+    eta, going = seen.expected(ONE, FADING)
     assert eta > 0.5
-    assert pending == eta
+    assert going == pytest.approx(seen.speed + eta * (seen.change - (1 - FADING) * seen.speed))
 
 
 def reach(folder, joints: int, *, delay: int = 0, count: int = 12, seconds: float = 20.0, lock=()):

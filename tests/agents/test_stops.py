@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from agents.number import ONE
 from agents.stops import Stops
 
 LOWER, UPPER = np.deg2rad([-60.0, 150.0])
@@ -11,7 +12,7 @@ LOWER, UPPER = np.deg2rad([-60.0, 150.0])
 def press(stops, angle, best, seconds, period=0.06):
     turn = best
     for tick in range(round(seconds / period) + 1):
-        turn = stops.turn(tick * period, angle, best)
+        turn = stops.turn(ONE, tick * period, angle, best)
     return float(turn)
 
 
@@ -32,9 +33,9 @@ def test_pressing_in_vain_it_goes_the_long_way_round():
 def test_it_keeps_to_the_long_way_until_that_is_the_best():
     stops = Stops(LOWER, UPPER)
     press(stops, LOWER, np.deg2rad(-150.0), 2.0)
-    on_the_way = stops.turn(2.5, np.deg2rad(-30.0), np.deg2rad(-179.0))
+    on_the_way = stops.turn(ONE, 2.5, np.deg2rad(-30.0), np.deg2rad(-179.0))
     assert on_the_way == pytest.approx(np.deg2rad(181.0))
-    past_half = stops.turn(3.0, np.deg2rad(0.0), np.deg2rad(150.0))
+    past_half = stops.turn(ONE, 3.0, np.deg2rad(0.0), np.deg2rad(150.0))
     assert past_half == pytest.approx(np.deg2rad(150.0))
 
 
@@ -42,7 +43,7 @@ def test_it_turns_back_when_the_short_way_has_opened():
     stops = Stops(LOWER, UPPER)
     press(stops, LOWER, np.deg2rad(-150.0), 2.0)
     opened = np.deg2rad(-20.0)  # a platform has come nearer: within the range from here
-    assert stops.turn(2.5, np.deg2rad(-30.0), opened) == opened
+    assert stops.turn(ONE, 2.5, np.deg2rad(-30.0), opened) == opened
 
 
 def test_a_place_that_is_nearer_by_its_stop_is_waited_for_longer():

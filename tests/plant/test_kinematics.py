@@ -90,11 +90,10 @@ def made(pose: ArmPose) -> tuple[Array, ...]:
 
 
 def in_parts(pose: ArmPose) -> tuple[list[Array], ...]:
-    joints = range(pose.points.shape[-2])
     return (
         list(pose.tip_parts),
-        [part for i in joints for part in pose.point_parts(i)],
-        [part for i in joints for part in pose.axis_parts(i)],
+        [part for point in pose.point_parts for part in point],
+        [part for axis in pose.axis_parts for part in axis],
     )
 
 

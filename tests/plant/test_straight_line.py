@@ -1,6 +1,7 @@
 """Code written out for a chain of links, against the same chain as products of matrices."""
 
 import math
+from typing import Any
 
 import numpy as np
 from hypothesis import given
@@ -29,6 +30,12 @@ def about_z(angle: float) -> Array:
     return turn
 
 
+def flat(result: tuple[Any, ...]) -> list[Any]:
+    """All numbers of a result, one after the other."""
+    tip, rotation, points, axes = result
+    return [*tip, *rotation, *(number for vector in (*points, *axes) for number in vector)]
+
+
 @given(st.lists(st.tuples(links, angles), min_size=2, max_size=5), angles, angles)
 def test_any_chain_comes_to_the_product_of_its_matrices(
     chain: list[tuple[Link, float]], x: float, y: float
@@ -40,11 +47,12 @@ def test_any_chain_comes_to_the_product_of_its_matrices(
         frame = frame @ about_z(angle) @ matrix(link)
         frames.append(frame)
     links, angles = zip(*chain, strict=True)
-    said = np.array(forward_function(links, math.cos, math.sin)(x, y, *angles))
+    said = flat(forward_function(links, math.cos, math.sin)(x, y, *angles))
     joints = np.array(frames[:-1])
     expected = [frame[:3, 3], frame[:3, :3], joints[:, :3, 3], joints[:, :3, 2]]
     np.testing.assert_allclose(said, np.concatenate([each.ravel() for each in expected]), atol=1e-9)
-    many = forward_function(links, np.cos, np.sin)(*np.array([x, y, *angles])[:, None].repeat(3, 1))
+    alike = np.array([x, y, *angles])[:, None].repeat(3, 1)
+    many = flat(forward_function(links, np.cos, np.sin)(*alike))
     for number, numbers in zip(said, many, strict=True):
         np.testing.assert_allclose(numbers, number, atol=1e-9)
 
