@@ -31,6 +31,7 @@ ONE: Namespace = SimpleNamespace(
     abs=abs,
     atan2=math.atan2,
     clip=_clip,
+    copysign=math.copysign,
     cos=math.cos,
     sin=math.sin,
     sqrt=math.sqrt,
