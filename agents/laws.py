@@ -131,7 +131,7 @@ class LineByModel(Law):
             for here, speed, (_, lower, upper, _, _) in zip(q, going, self._links, strict=True)
         ]
         ahead = self._kinematics.of_parts(places, self._base_ahead(xp, base, last, t))
-        aim = aim_at(xp, goal, t, horizon if moves else 0.0)
+        aim = aim_at(xp, goal, t, horizon)
         off = Off(ahead.tip_parts, turned_against(xp, ahead, aim))
         step, changes = left_by_others(
             xp, self._links, index, ahead, off, aim, self._lever2, horizon, places, going,

@@ -57,9 +57,9 @@ class Off(NamedTuple):
     turn: Quaternion | None
 
 
-def aim_at(xp: Namespace, goal: Goal, t: float, further: float = 0.0) -> Aim:
-    """Return where the goal is at plant time `t` [s], or if it goes on for `further` [s] more."""
-    moving = goal.moving(t) + further
+def aim_at(xp: Namespace, goal: Goal, t: float, horizon: float = 0.0) -> Aim:
+    """Return where the goal is `horizon` after plant time `t` [s], if it goes on as it does."""
+    moving = goal.moving(t) + (horizon if goal.moves(t) else 0.0)
     place = place_at(goal, moving)
     if goal.orientation is None or goal.free == "all":
         return Aim(place, None, False)
