@@ -50,8 +50,8 @@ class Goal(NamedTuple):
         if not self.since <= t < self.until:
             return False
         rates = self.angular_velocity  # counting takes a fifth of the time of `any`
-        return np.count_nonzero(self.velocity) > 0 or (
-            rates is not None and np.count_nonzero(rates) > 0
+        return bool(np.count_nonzero(self.velocity)) or (
+            rates is not None and bool(np.count_nonzero(rates))
         )
 
     def at(self, t: float) -> Array:
