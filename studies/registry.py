@@ -21,6 +21,7 @@ STUDIES = {
     "directions": "studies.directions:Directions",
     "bars": "studies.bars:Bars",
     "held-out": "studies.held_out:HeldOut",
+    "poses": "studies.poses:Poses",
     "ablation": "studies.ablation:Ablation",
     "mobile-live": "studies.mobile_live:MobileLive",
 }

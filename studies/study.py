@@ -79,9 +79,18 @@ class Study(ABC, Generic[Found]):
 class Progress:
     """How far a study or a bench is."""
 
-    def __init__(self, show: Callable[[str, float], None] | None = None) -> None:
-        """Report each step to `show`, with the share of the work done before it."""
-        self._show = show
+    def __init__(
+        self,
+        show: Callable[[str, float], None] | None = None,
+        found: Callable[[Row], None] | None = None,
+    ) -> None:
+        """Report each step to `show`, with the share of the work done before it.
+
+        Args:
+            show: Receives what starts, and the share.
+            found: Receives the rows of long studies as soon as they are there.
+        """
+        self._show, self._found = show, found
         self._done, self._total = 0.0, 1.0
         self.started = time.perf_counter()
 
@@ -95,6 +104,12 @@ class Progress:
         if self._show is not None:
             self._show(what, min(self._done / self._total, 1.0))
         self._done += parts
+
+    def row(self, row: Row) -> Row:
+        """Report a row that is there before the end of the study, and return it."""
+        if self._found is not None:
+            self._found(row)
+        return row
 
     @property
     def seconds(self) -> float:

@@ -14,8 +14,8 @@ from rich.table import Table
 
 from studies import verb_options
 from studies.registry import STUDIES, study
-from studies.report import Report, cells, page, write
-from studies.study import Progress, Study, StudyError
+from studies.report import Report, bar_status, cells, page, write
+from studies.study import Progress, Row, Study, StudyError
 
 BAR_DELAY = 2.0
 """Time after which a progress bar appears [s]."""
@@ -29,7 +29,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of `msma study`."""
     verb_options.add_arguments(parser, STUDIES, folder="studies-out", scaled="runs")
     parser.add_argument(
-        "--seed", type=int, help="of held-out: seed of its cases; 0 to 9 are for tuning (100)"
+        "--seed",
+        type=int,
+        help="of held-out and poses: seed of their cases; 0 to 9 are for tuning (100)",
     )
     parser.add_argument("--cases", type=int, help="of held-out: cases of each kind (16)")
 
@@ -53,7 +55,7 @@ def one(chosen: Study[Any], folder: Path, size: float, *, pictures: bool = True)
     name = chosen.name
     begun = time.perf_counter()
     with _Bar(name) as bar:
-        found = chosen.measure(size, Progress(bar.show))
+        found = chosen.measure(size, Progress(bar.show, _print_row))
         took = time.perf_counter() - begun
     report = Report(name, chosen.title, found, (), took, size)
     console = verb_options.console()
@@ -64,6 +66,11 @@ def one(chosen: Study[Any], folder: Path, size: float, *, pictures: bool = True)
     files = ", ".join(picture.name for picture in report.pictures)
     console.print(f"{report.summary}; in {folder}: {report.name}.md, {report.name}.json, {files}")
     return report
+
+
+def _print_row(row: Row) -> None:
+    bar = f" (bar: {row.bar}) {bar_status(row)}" if row.bar else ""
+    print(f"{row.what}: {row.measured}{bar}", flush=True)
 
 
 def _print(report: Report, console: Console) -> None:

@@ -1,0 +1,211 @@
+"""Central inverse kinematics for hands with a pose: what MSMA's joints are compared with.
+
+One controller sees all joints and moves the hand towards its goal at `RATE` times what is missing,
+
+    K e = J v,    v within min(top speed, acceleration / K),
+
+so that each joint can brake in time. Error and cost are those of MSMA's law (`agents/markers.py`):
+metres, with orientation on the lever `LEVER`. Towards goals that stand, each joint also makes the
+random moves of `agents/kick.py`, by the same rule and with the same constants as MSMA's joints; the
+others go on meanwhile. A controller that is told of locked joints plans without them; one that is
+not told takes them as sound.
+
+K and the damping were chosen on `TUNED_ON`.
+"""
+
+from abc import abstractmethod
+
+import numpy as np
+
+from agents import kick
+from agents.agent import Array, Body, Percepts
+from agents.laws import LEVER, reach_of
+from agents.markers import Aim, Off, aim_at, cost, turned_against
+from plant.kinematics import ArmPose, kinematics_of
+from plant.plant import Commands
+from plant.robot import Robot
+from studies.baselines.central import CentralController
+from studies.mobile_reach import Bools
+
+RATE = 3.0
+"""K, share of the error that is made good in a second [1/s]."""
+DAMPING = 0.02
+"""Error, as a share of the arm's length, below which a direction the hand can hardly go at that
+speed is given up."""
+ARRIVED = 3e-4
+"""Error from which on it rests [m]: a tenth of what counts as reached."""
+AT_STOP = 1e-6
+"""Distance from its stop at which a joint goes no farther [rad or m]."""
+
+
+def ranges(robot: Robot) -> tuple[Array, Array]:
+    """Return the bounds (n,), (n,) between which postures are drawn [rad or m].
+
+    That is each joint's range, or a full turn about its middle where it can turn by more.
+    """
+    slides = np.array([joint.slides for joint in robot.joints])
+    half = np.minimum((robot.upper - robot.lower) / 2, np.where(slides, np.inf, np.pi))
+    middle = np.minimum(np.maximum(0.0, robot.lower + half), robot.upper - half)
+    return middle - half, middle + half
+
+
+class PoseController(CentralController):
+    """Moves the hands of B arms to their goals."""
+
+    def __init__(
+        self, robot: Robot, period: float, *, told: Bools | None = None, seed: int = 0
+    ) -> None:
+        """Control all joints, and the platform if there is one.
+
+        Args:
+            robot: The arm.
+            period: Control period [s].
+            told: (B, n) the joints that it is told are locked; None if it is told nothing.
+            seed: Of the random moves.
+        """
+        self._robot, self._period = robot, period
+        self._kinematics = kinematics_of(robot)
+        body = Body(robot, 0, period, seed)
+        self._reach = reach_of(body)
+        self._lever = LEVER * self._reach
+        speed, acceleration = robot.max_speed, robot.max_acceleration
+        if robot.drive is not None:
+            speed = np.append(speed, robot.drive.max_velocity)
+            acceleration = np.append(acceleration, robot.drive.max_acceleration)
+        self._top = np.minimum(speed, acceleration / RATE)
+        self._told = told
+        self._chance = RandomMoves(robot, self._reach, seed)
+
+    def commands(self, percepts: Percepts) -> Commands:
+        """Return the commands of all motors; percepts must have joints and a goal."""
+        joints, goal, base, t = percepts.joints, percepts.goal, percepts.base, percepts.t
+        assert joints is not None
+        assert goal is not None
+        q, n = joints.position, self._robot.n
+        arm = self._kinematics.forward(q, base)
+        aim = aim_at(np, goal, t, 1.0 / RATE)
+        off = Off(arm.tip_parts, turned_against(np, arm, aim))
+        distance = np.sqrt(cost(off, aim.place, self._lever**2))
+        moves = goal.moves(t)
+        rests = np.zeros(distance.shape, dtype=bool) if moves else distance < ARRIVED
+        velocity = self._velocity(q, base, arm, off, aim, rests)
+        if not moves:
+            by_chance, speed = self._chance.moves(t, distance, q)
+            if self._told is not None:
+                by_chance &= ~self._told
+            velocity[..., :n] = np.where(by_chance, speed, velocity[..., :n])
+        velocity[rests] = 0.0
+        drive = self._robot.drive
+        return Commands(velocity[..., :n], np.zeros(2) if drive is None else velocity[..., n:])
+
+    @abstractmethod
+    def _velocity(
+        self, q: Array, base: Array | None, arm: ArmPose, off: Off, aim: Aim, rests: Bools
+    ) -> Array:
+        """Return the speeds (B, n), or (B, n + 2) with a platform, of arms that do not rest.
+
+        Args:
+            q: (B, n) joint positions [rad or m].
+            base: (B, 3) platform poses.
+            arm: The arms.
+            off: The hands, and how they are turned against their goals.
+            aim: Where the goals will be after 1 / K, so that moving ones are followed without lag.
+            rests: (B,) whose speeds do not count.
+        """
+
+
+class DampedLeastSquares(PoseController):
+    """v = s top, s = S' (S S' + d^2)^-1 e, with S = J diag(top) / K and d = `DAMPING` reach.
+
+    So the units of joints that turn and that slide do not matter. A joint that is to go beyond its
+    stop is left out, and s is worked out again; then s is scaled to at most 1.
+    """
+
+    def _velocity(
+        self, q: Array, base: Array | None, arm: ArmPose, off: Off, aim: Aim, rests: Bools
+    ) -> Array:
+        """Return the speeds (B, n) or (B, n + 2)."""
+        error = np.stack([g - e for g, e in zip(aim.place, off.tip, strict=True)], axis=-1)
+        if off.turn is not None:
+            error = np.concatenate([error, self._lever * _turn_back(off.turn)], axis=-1)
+        n, k = self._robot.n, error.shape[-1]
+        columns = self._columns(arm, base)[..., :k] * (self._top[:, None] / RATE)
+        free = np.ones(columns.shape[:-1], dtype=bool)
+        if self._told is not None:
+            free[..., :n] = ~self._told
+        damping = (DAMPING * self._reach) ** 2 * np.eye(k)
+        for _ in range(n):
+            used = columns * free[..., None]
+            square = np.swapaxes(used, -1, -2) @ used + damping
+            s: Array = (used @ np.linalg.solve(square, error[..., None]))[..., 0]
+            high, low = self._robot.upper - AT_STOP, self._robot.lower + AT_STOP
+            beyond = ((q > high) & (s[..., :n] > 0)) | ((q < low) & (s[..., :n] < 0))
+            if not beyond.any():
+                break
+            free[..., :n] &= ~beyond
+        s /= np.maximum(np.abs(s).max(axis=-1, keepdims=True), 1.0)
+        return s * self._top
+
+    def _columns(self, arm: ArmPose, base: Array | None) -> Array:
+        """Return the columns (B, n or n + 2, 6) of the Jacobian, turning on the lever [m]."""
+        axes, tip = arm.axes, arm.tip[..., None, :]
+        slides = np.array([joint.slides for joint in self._robot.joints])[:, None]
+        shift = np.where(slides, axes, np.cross(axes, tip - arm.points))
+        columns = np.concatenate([shift, np.where(slides, 0.0, self._lever * axes)], axis=-1)
+        if self._robot.drive is None:
+            return columns
+        assert base is not None
+        x, y, heading = np.moveaxis(base, -1, 0)
+        driven = np.zeros((*columns.shape[:-2], 2, 6))
+        driven[..., 0, 0], driven[..., 0, 1] = np.cos(heading), np.sin(heading)
+        driven[..., 1, 0], driven[..., 1, 1] = y - arm.tip[..., 1], arm.tip[..., 0] - x
+        driven[..., 1, 5] = self._lever
+        return np.concatenate([columns, driven], axis=-2)
+
+
+def _turn_back(turn: tuple[Array, ...]) -> Array:
+    """Return the rotation vector (B, 3) [rad] that undoes a rotation w, x, y, z."""
+    w, vector = turn[0], np.stack(turn[1:], axis=-1)
+    size = np.sqrt((vector * vector).sum(axis=-1))
+    angle = 2.0 * np.arctan2(size, np.abs(w))
+    return -(np.copysign(angle, w) / np.maximum(size, 1e-12))[..., None] * vector
+
+
+class RandomMoves:
+    """The moves by chance of B arms, each joint for itself, as MSMA's joints make them."""
+
+    HORIZON = 0.12
+    """That of `JointAgent` by default [s]: in which it is to be at the place, and by which
+    patience counts."""
+
+    def __init__(self, robot: Robot, reach: float, seed: int) -> None:
+        """Move the joints of arms that reach that far [m]."""
+        self._robot, self._reach = robot, reach
+        self._bounds = np.stack(ranges(robot), axis=-1)
+        self._kicks: list[kick.Kick] | None = None
+        self._begun = 0.0
+        self._rngs = [np.random.default_rng([seed, joint]) for joint in range(robot.n)]
+
+    def moves(self, t: float, distance: Array, q: Array) -> tuple[Bools, Array]:
+        """Return which joints (B, n) move by chance now, and their speeds [rad/s or m/s].
+
+        Args:
+            t: Plant time [s].
+            distance: (B,) of hands and goals, the root of their cost [m].
+            q: (B, n) joint positions [rad or m].
+        """
+        if self._kicks is None:
+            self._kicks, self._begun = [kick.begun(t)] * self._robot.n, t
+        going, speeds = np.zeros(q.shape, dtype=bool), np.zeros(q.shape)
+        for i, joint in enumerate(self._robot.joints):
+            low, high = self._bounds[i]
+            after = kick.watched(
+                np, self._kicks[i], t, t - self._begun, distance, self._reach, self.HORIZON,
+                self._robot.n, joint.max_speed, high - low if joint.slides else 2.0 * np.pi,
+                (low, high), self._rngs[i],
+            )  # fmt: skip
+            self._kicks[i] = after
+            going[..., i] = t < np.asarray(after.until)
+            speeds[..., i] = (after.place - q[..., i]) / self.HORIZON
+        top = self._robot.max_speed
+        return going, np.clip(speeds, -top, top)

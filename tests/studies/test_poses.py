@@ -1,0 +1,136 @@
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from agents.agent import Goal
+from plant.kinematics import kinematics_of, quaternion
+from plant.urdf import load
+from studies import poses
+from studies.baselines.central import as_agents
+from studies.baselines.pose_ik import DampedLeastSquares, PoseController, ranges
+from studies.cases import posed as cases
+from studies.cases.posed import SOURCES, TASKS, Source, chain, follow, moving, posed, settled, team
+from studies.poses import Poses, sides
+from studies.study import Progress, Row, StudyError
+
+OURS = tuple(source for source in SOURCES if source.name in ("seven", "telescope"))
+ABSENT = Source("absent", "no-such-package", "no.urdf")
+POSE, POSITION, LOCKED = TASKS
+CONTROLLERS = [side.make for side in sides(POSE) if side.make is not None]
+
+
+def test_our_own_robots_are_run_judged_and_drawn(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(poses, "SOURCES", (*OURS, ABSENT))
+    monkeypatch.setattr(poses, "UR5", ABSENT)
+    monkeypatch.setattr(cases, "DURATION", 1.2)
+    monkeypatch.setattr(cases, "CHAIN_DURATION", 2.0)
+    rows: list[Row] = []
+    found = Poses(seed=3).measure(0.01, Progress(found=rows.append))
+    assert tuple(rows) == found.rows  # each as soon as it is there
+    absent = [row for row in rows if "left out: the package 'no-such-package'" in row.measured]
+    assert len(absent) == len(TASKS) + len(poses.MOVING)
+    assert all(row.bar and row.met is None for row in absent)
+    ours = [row for row in rows if row.what.endswith("MSMA") and row not in absent]
+    assert [row.bar for row in ours] == ["95 %", "99 %", "90 %"] * 2
+    assert all(row.met is not None for row in ours)
+    assert sum(row.measured == "left out at this size" for row in rows) == 2 * 4
+    assert "is one of those" in found.notes[0]
+    pictures = Poses().draw(found, tmp_path)
+    assert [picture.stat().st_size > 10_000 for picture in pictures] == [True] * len(TASKS)
+
+
+def test_a_negative_seed_is_refused() -> None:
+    with pytest.raises(StudyError, match="--seed -1"):
+        Poses(seed=-1)
+
+
+def test_without_pink_its_side_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(poses, "find_spec", lambda name: None if name == "pink" else sys)
+    monkeypatch.setattr(poses, "SOURCES", OURS[:1])
+    monkeypatch.setattr(cases, "DURATION", 0.1)
+    rows = [row for row, _, _ in Poses()._reaching(OURS[0], POSE, 2, Progress())]
+    assert rows[-1] == Row("seven, pose: pink", "", "left out: needs pink")
+
+
+@pytest.mark.parametrize("make", CONTROLLERS)
+@pytest.mark.parametrize("name", ["seven", "arph"])
+def test_a_baseline_brings_the_hand_to_a_pose_nearby(make: type[PoseController], name: str) -> None:
+    robot = load(name)
+    rng = np.random.default_rng(1)
+    q = rng.uniform(0.3, 0.9, (3, robot.n))
+    hand = kinematics_of(robot).forward(q + rng.uniform(-0.2, 0.2, q.shape))
+    goal = Goal(hand.tip, np.zeros((3, 3)), 0.0, 0.0, quaternion(hand.rotation))
+    arms = cases.Posed(robot, q, goal, np.zeros(q.shape, dtype=bool))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(cases, "DURATION", 5.0)
+        since = settled(arms, as_agents(make(robot, cases.PERIOD), robot), 0)
+    assert (since < 4.0).all()
+
+
+@pytest.mark.parametrize("make", CONTROLLERS)
+def test_a_baseline_that_is_told_does_not_move_a_locked_joint(make: type[PoseController]) -> None:
+    robot = load("telescope")
+    arms = posed(robot, LOCKED, 4, 0)
+    agents = as_agents(make(robot, cases.PERIOD, told=arms.locked), robot)
+    moved: list[bool] = []
+    for agent in agents.values():
+        decide = agent.decide
+        agent.decide = lambda percepts, decide=decide: moved.append(decide(percepts)) or moved[-1]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(cases, "DURATION", 0.0)
+        settled(arms, agents, 0)
+    speeds = np.stack(moved[: robot.n], axis=-1)
+    assert not speeds[arms.locked].any()
+    assert speeds[~arms.locked].any()
+
+
+def test_goals_are_what_some_posture_reaches_with_the_locked_joint_where_it_is() -> None:
+    robot = load("telescope")
+    arms = posed(robot, LOCKED, 50, 0)
+    low, high = ranges(robot)
+    assert ((arms.q >= low) & (arms.q <= high)).all()
+    assert (arms.locked.sum(axis=1) == 1).all()
+    assert posed(robot, POSITION, 2, 0).goal.orientation is None
+
+
+def test_a_hand_that_leaves_again_has_not_its_goal() -> None:
+    t = 0.1 * np.arange(31)
+    good = np.stack([t >= 1.0, t < 2.0, t > -1.0, t > 2.5, (t >= 0.5) & (abs(t - 1) > 0.01)], 1)
+    np.testing.assert_allclose(cases.to_the_end(t, good), [1.0, np.inf, 0.0, np.inf, 1.1])
+
+
+def test_moving_poses_that_the_oracle_follows_are_followed() -> None:
+    arms = moving(load("seven"), 12, 0)
+    assert 0 < len(arms.q) < 12
+    distance, angle, _ = follow(arms, team(arms.robot, 0.02, 0), 0.02, 0)
+    assert np.median(distance) < 0.002
+    assert np.median(angle) < np.radians(1.0)
+
+
+@pytest.mark.parametrize("late", [False, True])
+def test_a_chain_of_five_joints_reaches_its_goals(late: bool) -> None:
+    assert np.isfinite(chain(5, late, 4, 0)).all()
+
+
+def test_a_late_plant_takes_commands_a_period_later() -> None:
+    robot = load("planar5")
+    setup = cases.Setup(robot, np.zeros((1, 5)), period=0.06)
+    late, prompt = cases.LatePlant(setup), cases.KinematicPlant(setup)
+    for tick in range(3):
+        for plant in (late, prompt):
+            plant.write(cases.Commands(np.full((1, 5), 0.1 * (tick + 1))))
+            plant.step()
+        if tick == 0:
+            assert not np.asarray(late.truth().q).any()
+            first = np.asarray(prompt.truth().q)
+        if tick == 1:
+            np.testing.assert_array_equal(late.truth().q, first)
+
+
+def test_damped_least_squares_leaves_out_a_joint_at_its_stop() -> None:
+    robot = load("telescope")
+    assert DampedLeastSquares(robot, 0.02) is not None
