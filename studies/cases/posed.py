@@ -37,9 +37,9 @@ SPEED, TURNING = 0.07, np.radians(10.0)
 """Of a moving pose [m/s], [rad/s]."""
 FOLLOWING, SETTLED = 6.0, 2.0
 """How long one moves, and from when on errors count [s]."""
-ORACLE, FAST = 0.06, 1 / 3
-"""Period of the oracle [s], and the share of its top speed that no joint of it is to exceed: beyond
-that a posture is nearly singular."""
+ORACLE, EXACT, FAST = 0.06, 1e-3, 1 / 3
+"""Period of the oracle [s], its damping, and the share of its top speed that no joint of it is to
+exceed: beyond that a posture is nearly singular."""
 CHAIN_PERIOD, CHAIN_DURATION, CHAIN_NEAR = 0.06, 20.0, 0.001
 """Of chains [s], [s], [m]."""
 DATA, STRETCH = "example-robot-data", "hello-robot-stretch-urdf"
@@ -238,7 +238,7 @@ def moving(robot: Robot, count: int, seed: int) -> Moving:
     rate *= TURNING / np.linalg.norm(rate, axis=1, keepdims=True)
     goal = Goal(hand.tip, velocity, 0.0, 2 * FOLLOWING, quaternion(hand.rotation), rate)
     arms = Moving(robot, q, goal)
-    oracle = DampedLeastSquares(robot, ORACLE)
+    oracle = DampedLeastSquares(robot, ORACLE, damping=EXACT)
     distance, angle, speed = follow(arms, as_agents(oracle, robot), ORACLE, seed)
     return arms.part((distance < NEAR / 3) & (angle < TURNED / 3) & (speed < FAST))
 
@@ -269,7 +269,10 @@ def follow(
 class LatePlant(KinematicPlant):
     """The kinematic plant, which takes each command a period late."""
 
-    _before = Commands(0.0, (0.0, 0.0))  # at rest
+    def __init__(self, setup: Setup) -> None:
+        """Begin at rest, with no command on its way."""
+        super().__init__(setup)
+        self._before = Commands(np.zeros(setup.robot.n))
 
     def write(self, commands: Commands) -> None:
         """Apply the commands of the period before."""

@@ -15,7 +15,7 @@ from studies.cases.posed import SOURCES, TASKS, Source, chain, follow, moving, p
 from studies.poses import Poses, sides
 from studies.study import Progress, Row, StudyError
 
-OURS = tuple(source for source in SOURCES if source.name in ("seven", "telescope"))
+OURS = SEVEN, TELESCOPE = SOURCES[-2:]
 ABSENT = Source("absent", "no-such-package", "no.urdf")
 POSE, POSITION, LOCKED = TASKS
 CONTROLLERS = [side.make for side in sides(POSE) if side.make is not None]
@@ -50,9 +50,9 @@ def test_a_negative_seed_is_refused() -> None:
 
 def test_without_pink_its_side_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(poses, "find_spec", lambda name: None if name == "pink" else sys)
-    monkeypatch.setattr(poses, "SOURCES", OURS[:1])
+    monkeypatch.setattr(poses, "SOURCES", (SEVEN,))
     monkeypatch.setattr(cases, "DURATION", 0.1)
-    rows = [row for row, _, _ in Poses()._reaching(OURS[0], POSE, 2, Progress())]
+    rows = [row for row, _, _ in Poses()._reaching(SEVEN, POSE, 2, Progress())]
     assert rows[-1] == Row("seven, pose: pink", "", "left out: needs pink")
 
 
@@ -74,7 +74,7 @@ def test_a_baseline_brings_the_hand_to_a_pose_nearby(
 
 @pytest.mark.parametrize("make", CONTROLLERS)
 def test_a_baseline_that_is_told_does_not_move_a_locked_joint(make: type[PoseController]) -> None:
-    robot = load("telescope")
+    robot = TELESCOPE.load()
     arms = posed(robot, LOCKED, 4, 0)
     percepts = Percepts(0.0, joints=Joints(arms.q, np.zeros_like(arms.q)), goal=arms.goal)
     controller = make(robot, cases.PERIOD, told=arms.locked)
@@ -84,7 +84,7 @@ def test_a_baseline_that_is_told_does_not_move_a_locked_joint(make: type[PoseCon
 
 
 def test_goals_are_what_some_posture_reaches_with_the_locked_joint_where_it_is() -> None:
-    robot = load("telescope")
+    robot = TELESCOPE.load()
     arms = posed(robot, LOCKED, 50, 0)
     low, high = ranges(robot)
     assert ((arms.q >= low) & (arms.q <= high)).all()
@@ -98,16 +98,20 @@ def test_a_hand_that_leaves_again_has_not_its_goal() -> None:
     np.testing.assert_allclose(cases.to_the_end(t, good), [1.0, np.inf, 0.0, np.inf, 1.1])
 
 
-def test_moving_poses_that_the_oracle_follows_are_followed() -> None:
-    arms = moving(load("seven"), 12, 0)
-    assert 0 < len(arms.q) < 12
+def test_moving_poses_that_the_oracle_follows_are_followed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cases, "FAST", 0.5)  # the joints of this arm are slow
+    arms = moving(load("seven"), 24, 0)
+    assert 0 < len(arms.q) < 24
     distance, angle, _ = follow(arms, team(arms.robot, 0.02, 0), 0.02, 0)
     assert np.median(distance) < 0.002
     assert np.median(angle) < np.radians(1.0)
 
 
 @pytest.mark.parametrize("late", [False, True])
-def test_a_chain_of_five_joints_reaches_its_goals(late: bool) -> None:
+def test_a_chain_of_five_joints_reaches_its_goals(
+    late: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(cases, "CHAIN_DURATION", 12.0)
     assert np.isfinite(chain(5, late, 4, 0)).all()
 
 
@@ -127,7 +131,7 @@ def test_a_late_plant_takes_commands_a_period_later() -> None:
 
 
 def test_damped_least_squares_leaves_a_joint_at_its_stop_alone() -> None:
-    robot = load("telescope")
+    robot = TELESCOPE.load()
     q = (robot.lower + robot.upper)[None] / 2
     q[0, 0] = robot.upper[0]
     above = kinematics_of(robot).forward(q).tip + np.array([0.0, 0.0, 0.05])
