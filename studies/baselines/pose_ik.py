@@ -10,9 +10,9 @@ random moves of `agents/kick.py`, by the same rule and with the same constants a
 others go on meanwhile. A controller that is told of locked joints plans without them; one that is
 not told takes them as sound.
 
-K and the damping were tuned for damped least squares on eight arms of each of the seeds 0 to 9: to a
-pose with UR5, Panda, Stretch and ARPH, and with one joint locked, told and not told, with the first
-three. Of 800 arms, by K [1/s] and damping:
+K and the damping were tuned for damped least squares on eight arms of each of the seeds 0 to 9: to
+a pose with UR5, Panda, Stretch and ARPH, and with one joint locked, told and not told, with the
+first three. Of 800 arms, by K [1/s] and damping:
 
     K 1.5, 0.02: 649   K 3, 0.02: 643   K 6, 0.02: 476   K 3, 0.005: 636   K 3, 0.08: 402
 
