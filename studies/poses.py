@@ -56,12 +56,12 @@ class Side(NamedTuple):
     Attributes:
         name: For people.
         make: Its class; None if it cannot run.
-        told: Whether it is told which joints are locked.
+        informed: Whether it is told which joints are locked.
     """
 
     name: str
     make: Callable[..., PoseController] | None
-    told: bool
+    informed: bool
 
 
 @dataclass(frozen=True)
@@ -160,8 +160,8 @@ class Poses(Study[PosesFound]):
 
     def _beside(self, side: Side, arms: Posed) -> Array:
         assert side.make is not None
-        told = arms.locked if side.told else None
-        controller = side.make(arms.robot, PERIOD, told=told, seed=self._seed)
+        locked = arms.locked if side.informed else None
+        controller = side.make(arms.robot, PERIOD, locked=locked, seed=self._seed)
         return settled(arms, as_agents(controller, arms.robot), self._seed)
 
     def _following(self, count: int, progress: Progress) -> Iterator[Row]:
@@ -234,9 +234,9 @@ def sides(task: Task) -> tuple[Side, ...]:
     if not task.locked:
         return tuple(Side(name, make, False) for name, make in makers.items())
     return tuple(
-        Side(f"{name}, {'told' if told else 'not told'}", make, told)
+        Side(f"{name}, {'told' if informed else 'not told'}", make, informed)
         for name, make in makers.items()
-        for told in (False, True)
+        for informed in (False, True)
     )
 
 

@@ -59,7 +59,7 @@ class PoseController(CentralController):
     """Moves the hands of B arms to their goals."""
 
     def __init__(
-        self, robot: Robot, period: float, *, told: Bools | None = None, seed: int = 0,
+        self, robot: Robot, period: float, *, locked: Bools | None = None, seed: int = 0,
         damping: float = DAMPING,
     ) -> None:  # fmt: skip
         """Control all joints, and the platform if there is one.
@@ -67,7 +67,7 @@ class PoseController(CentralController):
         Args:
             robot: The arm.
             period: Control period [s].
-            told: (B, n) the joints that it is told are locked; None if it is told nothing.
+            locked: (B, n) the joints that it is told are locked; None if it is told nothing.
             seed: Of the random moves.
             damping: See `DAMPING`.
         """
@@ -81,7 +81,7 @@ class PoseController(CentralController):
             speed = np.append(speed, robot.drive.max_velocity)
             acceleration = np.append(acceleration, robot.drive.max_acceleration)
         self._top = np.minimum(speed, acceleration / RATE)
-        self._told = told
+        self._locked = locked
         self._damping = (damping * self._reach) ** 2
         self._chance = RandomMoves(robot, self._reach, seed)
 
@@ -100,8 +100,8 @@ class PoseController(CentralController):
         velocity = self._velocity(q, base, arm, off, aim, rests)
         if not moves:
             by_chance, speed = self._chance.moves(t, distance, q)
-            if self._told is not None:
-                by_chance &= ~self._told
+            if self._locked is not None:
+                by_chance &= ~self._locked
             velocity[..., :n] = np.where(by_chance, speed, velocity[..., :n])
         velocity[rests] = 0.0
         drive = self._robot.drive
@@ -140,8 +140,8 @@ class DampedLeastSquares(PoseController):
         n, k = self._robot.n, error.shape[-1]
         columns = self._columns(arm, base)[..., :k] * (self._top[:, None] / RATE)
         free = np.ones(columns.shape[:-1], dtype=bool)
-        if self._told is not None:
-            free[..., :n] = ~self._told
+        if self._locked is not None:
+            free[..., :n] = ~self._locked
         for _ in range(n):
             used = columns * free[..., None]
             square = np.swapaxes(used, -1, -2) @ used + self._damping * np.eye(k)

@@ -8,6 +8,7 @@ is told are locked.
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 import pinocchio as pin
 from pink import Configuration, solve_ik
 from pink.exceptions import PinkError
@@ -22,6 +23,7 @@ from studies.baselines.pose_ik import RATE, PoseController
 from studies.baselines.whole_body_qp import NoSideslip
 from studies.mobile_reach import Bools
 
+Indices = npt.NDArray[np.intp]
 TIP = "tip"
 LM_DAMPING = 1e-3
 """pink's Levenberg-Marquardt damping: a share of the squared error is the weight of all speeds."""
@@ -40,7 +42,7 @@ class _Arm(NamedTuple):
 
     model: pin.Model
     data: pin.Data
-    columns: Array
+    columns: Indices
     limits: list[Limit]
 
 
@@ -54,7 +56,7 @@ class Pink(PoseController):
     ) -> Array:
         """Return the speeds (B, n) or (B, n + 2)."""
         if self._arms is None:
-            locked = np.zeros(q.shape, dtype=bool) if self._told is None else self._told
+            locked = np.zeros(q.shape, dtype=bool) if self._locked is None else self._locked
             self._arms = [self._arm(place, row) for place, row in zip(q, locked, strict=True)]
         place = np.stack([np.broadcast_to(part, len(q)) for part in aim.place], axis=-1)
         task = FrameTask(

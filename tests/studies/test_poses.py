@@ -77,7 +77,7 @@ def test_a_baseline_that_is_told_does_not_move_a_locked_joint(make: type[PoseCon
     robot = TELESCOPE.load()
     arms = posed(robot, LOCKED, 4, 0)
     percepts = Percepts(0.0, joints=Joints(arms.q, np.zeros_like(arms.q)), goal=arms.goal)
-    controller = make(robot, cases.PERIOD, told=arms.locked)
+    controller = make(robot, cases.PERIOD, locked=arms.locked)
     speeds = np.asarray(controller.commands(percepts).joints)
     assert not speeds[arms.locked].any()
     assert speeds[~arms.locked].any()
