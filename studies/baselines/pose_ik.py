@@ -176,7 +176,8 @@ def _turn_back(turn: tuple[Array, ...]) -> Array:
     w, vector = turn[0], np.stack(turn[1:], axis=-1)
     size = np.sqrt((vector * vector).sum(axis=-1))
     angle = 2.0 * np.arctan2(size, np.abs(w))
-    return -(np.copysign(angle, w) / np.maximum(size, 1e-12))[..., None] * vector
+    back: Array = -(np.copysign(angle, w) / np.maximum(size, 1e-12))[..., None] * vector
+    return back
 
 
 class RandomMoves:

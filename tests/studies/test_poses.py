@@ -4,8 +4,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from agents.agent import Goal, Joints, Percepts
+from agents.agent import Array, Goal, Joints, Percepts
+from plant.kinematic import KinematicPlant
 from plant.kinematics import kinematics_of, quaternion
+from plant.plant import Commands, Setup
 from plant.urdf import load
 from studies import poses
 from studies.baselines.central import as_agents
@@ -93,9 +95,10 @@ def test_goals_are_what_some_posture_reaches_with_the_locked_joint_where_it_is()
 
 
 def test_a_hand_that_leaves_again_has_not_its_goal() -> None:
-    t = 0.1 * np.arange(31)
+    t: Array = np.linspace(0.0, 3.0, 31)
     good = np.stack([t >= 1.0, t < 2.0, t > -1.0, t > 2.5, (t >= 0.5) & (abs(t - 1) > 0.01)], 1)
-    np.testing.assert_allclose(cases.to_the_end(t, good), [1.0, np.inf, 0.0, np.inf, 1.1])
+    since = np.array([1.0, np.inf, 0.0, np.inf, 1.1])
+    np.testing.assert_allclose(cases.to_the_end(t, good), since)
 
 
 def test_moving_poses_that_the_oracle_follows_are_followed(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -117,11 +120,11 @@ def test_a_chain_of_five_joints_reaches_its_goals(
 
 def test_a_late_plant_takes_commands_a_period_later() -> None:
     robot = load("planar5")
-    setup = cases.Setup(robot, np.zeros((1, 5)), period=0.06)
-    late, prompt = cases.LatePlant(setup), cases.KinematicPlant(setup)
+    setup = Setup(robot, np.zeros((1, 5)), period=0.06)
+    late, prompt = cases.LatePlant(setup), KinematicPlant(setup)
     for tick in range(3):
         for plant in (late, prompt):
-            plant.write(cases.Commands(np.full((1, 5), 0.1 * (tick + 1))))
+            plant.write(Commands(np.full((1, 5), 0.1 * (tick + 1))))
             plant.step()
         if tick == 0:
             assert not np.asarray(late.truth().q).any()
