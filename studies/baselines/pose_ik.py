@@ -23,10 +23,11 @@ from abc import abstractmethod
 
 import numpy as np
 
-from agents import kick
 from agents.agent import Array, Body, Percepts
+from agents.kick import Kick, Kicks
 from agents.laws import LEVER, reach_of
 from agents.markers import Aim, Off, aim_at, cost, turned_against
+from agents.others import links_of
 from plant.kinematics import ArmPose, kinematics_of
 from plant.plant import Commands
 from plant.robot import Robot
@@ -189,11 +190,13 @@ class RandomMoves:
 
     def __init__(self, robot: Robot, reach: float, seed: int) -> None:
         """Move the joints of arms that reach that far [m]."""
-        self._robot, self._reach = robot, reach
-        self._bounds = np.stack(ranges(robot), axis=-1)
-        self._kicks: list[kick.Kick] | None = None
-        self._begun = 0.0
-        self._rngs = [np.random.default_rng([seed, joint]) for joint in range(robot.n)]
+        bodies = [Body(robot, joint, 0.0, [seed, joint]) for joint in range(robot.n)]
+        self._joints = [
+            Kicks(body, link, reach, self.HORIZON)
+            for body, link in zip(bodies, links_of(bodies[0]), strict=True)
+        ]
+        self._kicks: list[Kick | None] = [None] * robot.n
+        self._top = robot.max_speed
 
     def moves(self, t: float, distance: Array, q: Array) -> tuple[Bools, Array]:
         """Return which joints (B, n) move by chance now, and their speeds [rad/s or m/s].
@@ -203,18 +206,9 @@ class RandomMoves:
             distance: (B,) of hands and goals, the root of their cost [m].
             q: (B, n) joint positions [rad or m].
         """
-        if self._kicks is None:
-            self._kicks, self._begun = [kick.begun(t)] * self._robot.n, t
         going, speeds = np.zeros(q.shape, dtype=bool), np.zeros(q.shape)
-        for i, joint in enumerate(self._robot.joints):
-            low, high = self._bounds[i]
-            after = kick.watched(
-                np, self._kicks[i], t, t - self._begun, distance, self._reach, self.HORIZON,
-                self._robot.n, joint.max_speed, high - low if joint.slides else 2.0 * np.pi,
-                (low, high), self._rngs[i],
-            )  # fmt: skip
-            self._kicks[i] = after
+        for i, joint in enumerate(self._joints):
+            after = self._kicks[i] = joint.watched(np, self._kicks[i], b"", t, distance)
             going[..., i] = t < np.asarray(after.until)
             speeds[..., i] = (after.place - q[..., i]) / self.HORIZON
-        top = self._robot.max_speed
-        return going, np.clip(speeds, -top, top)
+        return going, np.clip(speeds, -self._top, self._top)
