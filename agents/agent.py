@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from plant.errors import MsmaError
+from plant.kinematics import quaternion
 from plant.plant import Readings
 from plant.robot import Robot, Row
 
@@ -79,6 +80,8 @@ class Percepts(NamedTuple):
     base: (..., 3) x [m], y [m], heading [rad] of the platform in the world
     goal: the piece of path in force
     sensors: by name, what is fresh of the robot's own sensors that the agent `sees`
+    orientation: (..., 4) unit quaternion x, y, z, w of the hand in the world, as the localiser
+        sees it
     """
 
     t: float
@@ -87,20 +90,29 @@ class Percepts(NamedTuple):
     base: Array | None = None
     goal: Goal | None = None
     sensors: Mapping[str, Any] = MappingProxyType({})
+    orientation: Array | None = None
 
     @classmethod
     def of(cls, readings: Readings, goal: Goal) -> "Percepts":
-        """Return what an agent perceives that gets all readings, of one robot or a batch."""
+        """Return what an agent perceives that gets all readings, of one robot or a batch.
+
+        How the hand is turned is left out where the goal does not say how it should be.
+        """
 
         def array(row: Row | None) -> Array | None:
             return None if row is None else np.asarray(row)
 
+        orientation = None
+        if goal.orientation is not None and readings.rotation is not None:
+            batch = np.asarray(readings.q).shape[:-1]
+            orientation = quaternion(np.reshape(readings.rotation, (*batch, 3, 3)))
         return cls(
             readings.t,
             hand=array(readings.position),
             joints=Joints(np.asarray(readings.q), np.asarray(readings.qd)),
             base=array(readings.base),
             goal=goal,
+            orientation=orientation,
         )
 
 

@@ -1,11 +1,35 @@
-"""The law of a joint that has no model, only an eye on the hand."""
+"""The law of a joint that has no model, only an eye on the hand.
+
+It sees the hand as a vector s of lengths [m]: its place, and where the goal has an orientation also
+how far it has turned since it was first seen, the sum of its small turns about the axes of the
+world times sqrt(2 k). With g where the hand should be, |g - s|^2 is the cost of `markers` up to
+fourth powers of angles, so that one law serves both:
+
+    8 k sin^2(phi / 2) = 2 k phi^2 - ...
+
+What the joint does to s is its own column of the Jacobian matrix, J (`watching`), learned from
+small moves by chance. With s' the velocity of the hand and H how far it looks ahead,
+
+    w = J . (g + g' H - s - s' H) / (|J|^2 + c v),    v = exp(-T / m) v + b w / H,
+
+c v standing for the variance of the estimate of J.
+"""
 
 from typing import NamedTuple
 
 import numpy as np
 
 from agents.agent import Array, Body, Goal, Percepts
-from agents.laws import GAP, Law
+from agents.laws import GAP, LEVER, Law, reach_of
+from agents.markers import (
+    Quaternion,
+    aim_at,
+    product,
+    rotation_vector,
+    turn_against,
+    turn_of,
+)
+from agents.number import MANY, components
 from agents.sight import View
 from agents.watching import Content, OwnColumn, OwnMotion, SteadyEye
 from plant.kinematics import ArmPose
@@ -15,20 +39,61 @@ class Told(NamedTuple):
     """What a model told at one moment.
 
     t: [s]; arm: the whole; joint: index of the agent's own (from 0)
-    speed: (...) of that joint, as commanded [rad/s]
+    slides: whether that is prismatic
+    speed: (...) of that joint, as commanded [rad/s or m/s]
     """
 
     t: float
     arm: ArmPose
     joint: int
+    slides: bool
     speed: Array
 
-    @property
-    def column(self) -> Array:
-        """What the hand does when the joint turns: (..., 3) [m/rad]; seldom asked for."""
-        lever = self.arm.tip - self.arm.points[..., self.joint, :]
-        column: Array = np.cross(self.arm.axes[..., self.joint, :], lever)
+    def column(self, lever: float) -> Array:
+        """Return what the hand does when the joint moves: (..., D) [m/rad]; seldom asked for."""
+        axis = self.arm.axes[..., self.joint, :]
+        goes = np.cross(axis, self.arm.tip - self.arm.points[..., self.joint, :])
+        if self.slides:
+            goes, axis = axis, np.zeros_like(axis)
+        column: Array = np.concatenate([goes, lever * axis], axis=-1) if lever else goes
         return column
+
+
+class Lengths:
+    """The hand and its goal as vectors of D lengths, 3 of place and 3 of turning."""
+
+    def __init__(self, lever: float) -> None:
+        """Count turns times `lever`, sqrt(2 k) [m/rad]; 0 where they do not matter, and D = 3."""
+        self.lever = lever
+        self._turn: Quaternion | None = None
+        self._turned: Array = np.zeros(3)
+
+    def of_hand(self, place: Array, turn: Quaternion | None) -> Array:
+        """Return the vector (..., D) [m] of a hand that is seen at `place` (..., 3) [m]."""
+        if not self.lever or turn is None:
+            return place
+        if self._turn is not None:
+            w, x, y, z = self._turn
+            more = rotation_vector(MANY, product(turn, (w, -x, -y, -z)))
+            self._turned = self._turned + np.stack(more, axis=-1)
+        self._turn = turn
+        turned = np.broadcast_to(self._turned, place.shape)
+        return np.concatenate([place, self.lever * turned], axis=-1)
+
+    def of_goal(self, t: float, goal: Goal) -> tuple[Array, Array]:
+        """Return the vectors (..., D) of where the goal is [m] and how it goes [m/s]."""
+        place, velocity = goal.at(t), goal.velocity_at(t)
+        if self._turn is None:
+            return place, velocity
+        off = rotation_vector(MANY, turn_against(MANY, self._turn, aim_at(MANY, goal, t)))
+        turned, turns = self._turned - np.stack(off, axis=-1), np.zeros(3)
+        if goal.angular_velocity is not None and goal.moves(t):
+            turns = goal.angular_velocity
+        place, velocity, turned, turns = np.broadcast_arrays(place, velocity, turned, turns)
+        return (
+            np.concatenate([place, self.lever * turned], axis=-1),
+            np.concatenate([velocity, self.lever * turns], axis=-1),
+        )
 
 
 class LineByEye(Law):
@@ -45,29 +110,34 @@ class LineByEye(Law):
     LAGS = (0.0, 0.5, 1.0, 1.5, 2.0, 2.5)  # windows by which the eye may be late
     FURTHER = 1.2  # horizons that it looks ahead: what it sees is rougher than what a model tells
     LATE = 0.7  # of the eye's lag by which it looks further ahead still
-    MEMORY = 3.0  # [s] in which a motion that nothing asks for dies down; less when eyes tremble
     GAIN = 0.22  # share of the turn asked for that it makes
     CAUTION = 0.22  # how much an uncertain estimate counts against a large turn
     DITHER = 0.09  # size of the move by chance, as a share of the one that closes the distance
     MOST_DITHER = 0.15  # [rad/s]
     MOST = 0.57  # share of its top speed, so that it learns as fast as its column changes
     HASTE = 0.84  # of the turn that closes the distance, made within the horizon, at most
+    UNSEEN = 1.6  # [m/rad] of its own turning counts as the hand's, where that is not seen
     LEAD = 1.0  # [s] of a moving goal's way that counts as distance there
 
-    def __init__(self, body: Body, *, horizon: float, top_speed: float) -> None:
-        """Look `horizon` [s] ahead and further, and never turn faster than `top_speed` [rad/s]."""
+    def __init__(self, body: Body, *, horizon: float, memory: float, top_speed: float) -> None:
+        """Look `horizon` [s] ahead and further, and never turn faster than `top_speed` [rad/s].
+
+        A motion that nothing asks for dies down in `memory` [s], sooner where eyes tremble.
+        """
         self._body = body
-        self._horizon = self.FURTHER * horizon
+        self._horizon, self._memory = self.FURTHER * horizon, memory
         self._top_speed = top_speed
         self._window = max(self.WINDOW, body.period)
         self._told: tuple[Told, ...] = ()
-        self._begin(None)
+        self._lever = np.sqrt(2.0) * LEVER * reach_of(body)
+        self._begin(0.0, None)
 
-    def _begin(self, known: Array | None) -> None:
+    def _begin(self, lever: float, known: Array | None) -> None:
         lags = np.array(self.LAGS) * self._window
-        self._eye, self._own, self._motion = SteadyEye(), OwnColumn(lags, known), OwnMotion(lags)
+        self._eye, self._motion, self._lengths = SteadyEye(), OwnMotion(lags), Lengths(lever)
+        self._own = OwnColumn(lags, 3 + 3 if lever else 3, known)
         self._t: float | None = None
-        self._hand: Array = np.zeros(3)
+        self._hand: Array = np.zeros(())
         self._before: tuple[Array, Array, Array] | None = None
         self._content = Content()
         self._awake: Array = np.array(1.0)  # 0 where it rests
@@ -80,32 +150,41 @@ class LineByEye(Law):
         """Hear what a model knows while it serves."""
         if view.arm is None or (self._told and t - self._told[-1].t < 0.9 * self._window):
             return
-        self._told = (*self._told[-1:], Told(t, view.arm, joint, speed))
+        slides = self._body.robot.joints[joint].slides
+        self._told = (*self._told[-1:], Told(t, view.arm, joint, slides, speed))
 
-    def _take_over(self, t: float) -> None:
+    def _take_over(self, t: float, lever: float) -> None:
         """Begin afresh, from what a model told if that is not long ago."""
         fresh = [told for told in self._told if 0 < t - told.t <= GAP]
         self._told = ()
-        self._begin(fresh[-1].column if fresh else None)
+        self._begin(lever, fresh[-1].column(lever) if fresh else None)
         for told in fresh:
-            self._eye.see(told.t, told.arm.tip)
+            turn = turn_of(MANY, told.arm) if lever else None
+            hand = self._lengths.of_hand(told.arm.tip, turn)
+            self._eye.see(told.t, hand)
             self._motion.tell(told.t, np.stack([told.speed, np.zeros_like(told.speed)]))
-            self._t, self._hand, self._steady = told.t, told.arm.tip, told.speed
+            self._t, self._hand, self._steady = told.t, hand, told.speed
             self._will = told.speed
 
     def velocity(self, percepts: Percepts, goal: Goal, view: View) -> Array:
         """Return the velocity (...) [rad/s]; the encoder, if there is one, is not looked at."""
         t = percepts.t
-        if self._told or (self._t is not None and not 0 <= t - self._t <= GAP):
-            self._take_over(t)
+        lever, turn = 0.0, None
+        if goal.orientation is not None and goal.free != "all" and view.orientation is not None:
+            x, y, z, w = components(view.orientation)
+            lever, turn = self._lever, (w, x, y, z)
+        last = t if self._t is None else self._t
+        if self._told or lever != self._lengths.lever or not 0 <= t - last <= GAP:
+            self._take_over(t, lever)
         elapsed = self._window if self._t is None else t - self._t
         if elapsed < 0.9 * self._window:
             return self._will
-        hand = view.hand
+        hand = self._lengths.of_hand(view.hand, turn)
         self._eye.see(t, hand)
         if self._t is not None:
             self._learn(t, hand)
-        self._will = self._decide(t, goal, elapsed)
+        place, goes = self._lengths.of_goal(t, goal)
+        self._will = self._decide(elapsed, place - self._eye.place, goes)
         self._motion.tell(t, np.stack([self._will, self._chance]))
         self._t, self._hand = t, hand
         return self._will
@@ -118,17 +197,22 @@ class LineByEye(Law):
         drift = (hand - self._hand) / elapsed
         if self._before is not None:
             awake = self._awake * elapsed
+            gone = awake * _length(self._eye.velocity)
+            if not self._lengths.lever:
+                gone = gone + awake * self.UNSEEN * np.abs(speed[0])
             self._own.learn(
                 speed - self._before[0], chance - self._before[1], drift - self._before[2],
-                elapsed=awake, gone=awake * _length(self._eye.velocity), trust=self._eye.trust,
+                elapsed=awake, gone=gone, trust=self._eye.trust,
             )  # fmt: skip
         self._before = speed, chance, drift
 
-    def _decide(self, t: float, goal: Goal, elapsed: float) -> Array:
-        """Return the next speed (...) [rad/s]."""
+    def _decide(self, elapsed: float, missing: Array, goes: Array) -> Array:
+        """Return the next speed (...) [rad/s].
+
+        missing: (..., D) from the hand to the goal [m]; goes: (..., D) the goal's velocity [m/s]
+        """
         column, eye = self._own.column, self._eye
         ahead = self._horizon + self.LATE * column.lag
-        missing, goes = goal.at(t) - eye.place, goal.velocity_at(t)
         pace = _length(goes)
         content = self._content.after(elapsed, missing, eye.trembling, pace > 0)
         self._awake = np.where(content, 0.0, 1.0)
@@ -138,7 +222,7 @@ class LineByEye(Law):
         lever = np.sqrt(length + column.variance)
         steady = self.GAIN * eye.trust * asked / self._horizon
         if self._steady is not None:
-            kept = np.exp(-elapsed / (self.MEMORY * eye.trust**2))
+            kept = np.exp(-elapsed / (self._memory * eye.trust**2))
             steady = steady + kept * self._steady
         chance = np.minimum(self.DITHER * _length(missing) / lever / elapsed, self.MOST_DITHER)
         far = _length(missing) + self.LEAD * pace

@@ -33,7 +33,7 @@ class JointAgent(Agent):
         law: the best step ahead (`LineByModel`, or `LineByEye`), or the paper's fixed step
         perception: see `Sight`
         horizon: of the lines: how far ahead it looks [s]; at least one and a half control periods
-        memory: of the lines, with a model: time in which a motion that nothing asks for dies [s]
+        memory: of the lines: time in which a motion that nothing asks for dies [s]
         bend: of the lines, with a model: how far off straight it stays if it can [rad]
         step: of `fixed-step` [rad] a control period
 
@@ -62,7 +62,9 @@ class JointAgent(Agent):
             self._by_model = LineByModel(
                 body, self._joint, horizon=horizon, memory=memory, bend=bend
             )
-            self._by_eye = LineByEye(body, horizon=horizon, top_speed=self._top_speed)
+            self._by_eye = LineByEye(
+                body, horizon=horizon, memory=memory, top_speed=self._top_speed
+            )
 
     def decide(self, percepts: Percepts) -> Array | None:
         """Return the velocity (...) [rad/s or m/s]; None without a goal or a sight of the hand."""

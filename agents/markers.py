@@ -103,13 +103,23 @@ def turned_against(xp: Namespace, arm: ArmPose, aim: Aim) -> Quaternion | None:
         arm: The arm of the hand.
         aim: Where the hand should be.
     """
-    if aim.turn is None:
-        return None
+    return None if aim.turn is None else turn_against(xp, turn_of(xp, arm), aim)
+
+
+def turn_of(xp: Namespace, arm: ArmPose) -> Quaternion:
+    """Return how the hand of an arm is turned in the world."""
     x, y, z, w = (
         scalar.quaternion(arm.rotation_parts)
         if xp is ONE
         else np.moveaxis(quaternion(arm.rotation), -1, 0)
     )
+    return w, x, y, z
+
+
+def turn_against(xp: Namespace, hand: Quaternion, aim: Aim) -> Quaternion:
+    """Return the rotation that takes the directions of an aim that has some to a hand's."""
+    assert aim.turn is not None
+    w, x, y, z = hand
     b, c, d, e = aim.turn
     if aim.rolls:  # of the goals turned about their own z, the hand's projection on their plane
         same = w * b + x * c + y * d + z * e
@@ -123,6 +133,14 @@ def turned_against(xp: Namespace, arm: ArmPose, aim: Aim) -> Quaternion | None:
             same * e + rolled * b,
         )
     return product((w, x, y, z), (b, -c, -d, -e))
+
+
+def rotation_vector(xp: Namespace, turn: Quaternion) -> Vector:
+    """Return a rotation as its axis times its angle [rad], which is 0 to pi."""
+    w, x, y, z = turn
+    size = xp.sqrt(x * x + y * y + z * z) + 1e-30
+    share = 2.0 * xp.atan2(xp.copysign(size, w), xp.abs(w)) / size
+    return share * x, share * y, share * z
 
 
 def best_step(

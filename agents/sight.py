@@ -18,11 +18,13 @@ class View(NamedTuple):
     arm: the whole arm by the model
     eye: (..., 3) [m] in the world, where an eye sees the hand
     modelled: (...) where the arm by the model is to be believed, or one answer for all
+    orientation: (..., 4) unit quaternion x, y, z, w, how an eye sees the hand turned
     """
 
     arm: ArmPose | None
     eye: Array | None
     modelled: npt.NDArray[np.bool_] | bool
+    orientation: Array | None = None
 
     @property
     def certain(self) -> bool:
@@ -70,8 +72,9 @@ class Sight:
         arm = None if self._perception == "localiser" else self._by_model(percepts)
         hand = None if self._perception == "blackboard" else percepts.hand
         if arm is None:
-            return None if hand is None else View(None, hand, False)
-        return View(arm, hand, hand is None or self._agree(percepts.t, arm, hand))
+            return None if hand is None else View(None, hand, False, percepts.orientation)
+        agree = hand is None or self._agree(percepts.t, arm, hand)
+        return View(arm, hand, agree, percepts.orientation)
 
     def _by_model(self, percepts: Percepts) -> ArmPose | None:
         joints, base = percepts.joints, percepts.base

@@ -1,6 +1,7 @@
 """What an agent without a model learns by watching the hand: how it moves, and its own part in it.
 
-Nothing here knows the robot. An eye may tremble (measurement noise) and be late; neither is told.
+The hand is a vector of D lengths [m]: its place, D = 3, or also how it has turned, D = 6. Nothing
+here knows the robot. An eye may tremble (measurement noise) and be late; neither is told.
 """
 
 from collections import deque
@@ -29,14 +30,14 @@ class SteadyEye:
 
     def __init__(self) -> None:
         """Have seen nothing yet."""
-        self.place: Array = np.zeros(3)
-        self.velocity: Array = np.zeros(3)
+        self.place: Array = np.zeros(())
+        self.velocity: Array = np.zeros(())
         self.trust: Array = np.array(1.0)
         self.trembling: Array = np.array(0.0)  # mean square of a sight's error [m2]
         self._t: float | None = None
 
     def see(self, t: float, place: Array) -> None:
-        """Take in that the hand is seen at `place` (..., 3) [m] at `t` [s]."""
+        """Take in that the hand is seen at `place` (..., D) [m] at `t` [s]."""
         if self._t is None:
             batch = place.shape[:-1]
             self.place, self.velocity, self.trust = place, np.zeros_like(place), np.ones(batch)
@@ -98,7 +99,7 @@ class Content:
     ) -> npt.NDArray[np.bool_]:
         """Return whether (...) to rest, `elapsed` [s] after this was asked last.
 
-        missing: (..., 3) from the hand to the goal [m]; trembling: (...) see `SteadyEye` [m2]
+        missing: (..., D) from the hand to the goal [m]; trembling: (...) see `SteadyEye` [m2]
         moving: (...) whether the goal moves
         """
         if self._missing is None:
@@ -118,7 +119,7 @@ class Content:
 class Column(NamedTuple):
     """What the hand does when the joint turns.
 
-    way: (..., 3) [m/rad]; variance: (...) of each component [m2/rad2]; lag: (...) after which the
+    way: (..., D) [m/rad]; variance: (...) of each component [m2/rad2]; lag: (...) after which the
     hand is seen to answer [s]
     """
 
@@ -133,13 +134,19 @@ class OwnColumn:
     Estimated from the changes of its own speed and of the hand's velocity, by a Kalman filter
     with one variance, in which the motions of all others are noise of a size that it learns too.
     How late the hand is seen to answer is not known either: one such filter for each lag of a few,
-    weighed by how well each has foretold what was seen.
+    weighed by how well each has foretold what was seen: the logarithm of its odds falls by
+
+        `WEIGHT` (log f + n log(1 + s / (n f))),    n = `TAILS`,
+
+    at each sight, with s the mean square of what was not foretold and f its expectation. That is
+    Student's distribution: by the normal one, n without limit, what another joint does all of a
+    sudden would decide for long which lag is believed.
     """
 
     LENGTH = 0.8  # [m/rad] how long the column may be, before anything was seen
     DOUBT = 0.05  # [m/rad] of one that was told
-    DRIFT = 0.29  # [m/rad per sqrt(s)] how fast the true column may wander
-    CARRIED = 0.8  # [1/rad] how far it may wander per distance that the hand goes
+    DRIFT = 0.03  # [m/rad per sqrt(s)] how fast the true column may wander while all seems still
+    CARRIED = 1.6  # [1/rad] how far it may wander per distance that the hand goes
     NOISE = 0.1  # [m/s] of the hand's velocity that may be others' doing, at first
     PATIENCE = 0.9  # share kept of the noise estimate at each sight
     FLOOR = 1e-10  # [m2/s2] so that a perfectly still hand divides by something
@@ -147,15 +154,16 @@ class OwnColumn:
     TELLING = 3.0  # power of the trust with which an answer to what was seen tells of its effect
     LASTING = 0.985  # share kept of the evidence for a lag at each sight
     WEIGHT = 0.2  # of one sight as evidence: successive sights are not independent
+    TAILS = 2.0  # n: a half with twice the weight does as well
 
-    def __init__(self, lags: Array, known: Array | None = None) -> None:
-        """Know nothing but a length to expect, or what the column is: `known` (..., 3) [m/rad].
+    def __init__(self, lags: Array, size: int, known: Array | None = None) -> None:
+        """Know nothing but a length to expect, or what the column is: `known` (..., D) [m/rad].
 
-        lags: (H,) those thought possible [s]
+        lags: (H,) those thought possible [s]; size: D
         """
         self._lags = lags
         self._way: Array | None = None
-        first = np.zeros(3) if known is None else known
+        first = np.zeros(size) if known is None else known
         doubt = self.LENGTH if known is None else self.DOUBT
         batch = first.shape[:-1]
         self.column = Column(first, np.full(batch, doubt**2), np.zeros(batch))
@@ -164,7 +172,7 @@ class OwnColumn:
         self, speed: Array, chance: Array, velocity: Array, *, elapsed: Array, gone: Array,
         trust: Array,
     ) -> None:  # fmt: skip
-        """Take in that the hand's velocity has changed by `velocity` (..., 3) [m/s].
+        """Take in that the hand's velocity has changed by `velocity` (..., D) [m/s].
 
         speed: (H, ...) by how much, with each lag, the joint's own speed had changed [rad/s]
         chance: (H, ...) what of that was by chance; the rest answered what was seen: the less it
@@ -175,7 +183,7 @@ class OwnColumn:
         """
         if self._way is None:
             many = speed.shape
-            self._way = np.zeros((*many, 3)) + self.column.way
+            self._way = np.zeros((*many, 1)) + self.column.way
             self._variance = np.zeros(many) + self.column.variance
             self._noise = np.full(many, self.NOISE**2)
             column = (-1, *[1] * (speed.ndim - 1))
@@ -184,10 +192,11 @@ class OwnColumn:
         variance = np.minimum(self._variance + wander, 2.0 * self.LENGTH**2)
         telling = chance + trust**self.TELLING * (speed - chance)
         surprise = velocity - self._way * speed[..., None]
-        seen = (surprise * surprise).sum(axis=-1) / 3.0
+        seen = (surprise * surprise).sum(axis=-1) / surprise.shape[-1]
         foretold = np.maximum(variance * telling**2 + self._noise, 1e-12)
         evidence = self.LASTING * self._evidence
-        evidence -= self.WEIGHT * (seen / foretold + np.log(foretold))
+        tails = self.TAILS * np.log1p(seen / (self.TAILS * foretold))
+        evidence -= self.WEIGHT * (np.log(foretold) + tails)
         self._evidence = np.where(elapsed > 0, evidence, self._evidence)
         noise = self.PATIENCE * self._noise + (1.0 - self.PATIENCE) * seen
         self._noise = np.maximum(noise, self.FLOOR)

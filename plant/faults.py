@@ -76,7 +76,7 @@ class Fault:
     | `encoder/N:biased=5deg` | reads a position too large by that (a prismatic one: `5mm`) |
     | `encoder/N:noisy=0.5deg` | reads a position with noise of that standard deviation |
     | `localiser:lost` | measures nothing |
-    | `localiser:noisy=1mm` | measures a position with such noise along each axis |
+    | `localiser:noisy=1mm` | errs so much along each axis, and 0.2 deg a mm about each axis |
     | `localiser:late=100ms` | reports what it measured so long ago |
     | `platform:locked` | brakes and stays |
     | `platform:weak=0.5` | moves at that share of the commanded speeds |

@@ -1,6 +1,6 @@
 """The joint agents of many arms at once, with asynchronous agents and message loss as options.
 
-Unlike `lockstep`, which records everything, this records only the distances from the hands to their
+Unlike `lockstep`, which records everything, this records only how far the hands are from their
 goals, so that thousands of arms fit in memory.
 """
 
@@ -12,8 +12,11 @@ import numpy as np
 
 from agents.agent import Agent, Array, Body, Goal, Percepts
 from agents.joint import JointAgent
+from agents.markers import aim_at, angle_off
+from agents.number import MANY, components
 from plant.faults import Fault
 from plant.kinematic import KinematicPlant
+from plant.kinematics import quaternion
 from plant.plant import Commands, Plant, Setup
 from plant.robot import Robot
 from studies.lockstep import true_motion
@@ -53,6 +56,8 @@ class ReachResult(NamedTuple):
         settled: (B,) worst distance in the last second [m].
         history: (K, B) distance after each step [m].
         q: (B, n) joint angles at the end [rad].
+        turned: (B,) largest angle to the goal's orientation in the last second [rad]; zeros where
+            it has none.
     """
 
     steps: Array
@@ -60,6 +65,7 @@ class ReachResult(NamedTuple):
     settled: Array
     history: Array
     q: Array
+    turned: Array
 
 
 class ArmAgents:
@@ -116,7 +122,7 @@ class ArmAgents:
 def reach(
     robot: Robot, q: Array, goals: Array, *, steps: int, seed: int = 0,
     faults: tuple[Fault, ...] = (), coupling: Coupling = SYNCHRONOUS, enough: float = 0.0,
-    **parameters: Any,
+    orientations: Array | None = None, **parameters: Any,
 ) -> ReachResult:  # fmt: skip
     """Let the agents move the hands of B arms to their goals.
 
@@ -129,25 +135,33 @@ def reach(
         faults: Faults of all arms, from the start.
         coupling: How agents and plant exchange messages.
         enough: The run ends when all hands have been nearer than this for 1 s [m].
+        orientations: (B, 4) unit quaternions x, y, z, w of the goals; None for any.
         **parameters: See `ArmAgents`.
     """
     setup = Setup(robot, q, period=PERIOD / coupling.ticks, seed=[seed, 1000])
     plant = KinematicPlant(setup, faults)
     agents = ArmAgents(robot, seed=seed, coupling=coupling, **parameters)
-    goal = Goal(goals, np.zeros_like(goals), 0.0, 0.0)
+    goal = Goal(goals, np.zeros_like(goals), 0.0, 0.0, orientations)
+    aim = aim_at(MANY, goal, 0.0)
     history = np.empty((steps + 1, len(goals)))
+    turned = np.zeros_like(history)
     quiet = 0
     for step in range(steps + 1):
-        away = np.asarray(true_motion(plant).position) - goals
+        truth = true_motion(plant)
+        away = np.asarray(truth.position) - goals
         history[step] = np.sqrt((away * away).sum(axis=-1))
+        if orientations is not None:
+            x, y, z, w = components(quaternion(np.asarray(truth.rotation)))
+            turned[step] = angle_off(MANY, (w, x, y, z), aim)
         quiet = quiet + 1 if history[step].max() < enough else 0
         if quiet > SETTLED or step == steps:
             break
         for _ in range(coupling.ticks):
             plant.write(agents.commands(plant, goal))
             plant.step()
-    history = history[: step + 1]
+    history, turned = history[: step + 1], turned[: step + 1]
     near = history < NEAR
     first = np.where(near.any(axis=0), near.argmax(axis=0), np.inf)
     last = history[-SETTLED:].max(axis=0)
-    return ReachResult(first, history[-1], last, history, np.asarray(true_motion(plant).q))
+    most = turned[-SETTLED:].max(axis=0)
+    return ReachResult(first, history[-1], last, history, np.asarray(true_motion(plant).q), most)

@@ -8,12 +8,13 @@ import numpy as np
 
 from agents.agent import Agent, Array
 from agents.sight import Perception
+from plant.faults import Fault
 from plant.kinematics import kinematics_of
 from studies.batch_faults import BatchFaults
 from studies.cases.goals import pieces
 from studies.feasible_plans import Since, earliest
 from studies.lockstep import Trace, run
-from studies.mobile import ARPH, BASE, DURATION, PERIOD, POSTURE, msma, plant, task
+from studies.mobile import ARPH, BASE, DURATION, MOVING, PERIOD, POSTURE, msma, plant, task
 from studies.mobile_reach import Bools, high_enough
 from studies.platform_measures import acquisition, reversal, wrapped
 
@@ -205,6 +206,13 @@ def simulate(
     robots = plant(cells.q, each=cells.each)
     controllers = msma(perception=perception) if agents is None else agents
     return run(robots, controllers, task().piece, DURATION, every=every)
+
+
+def by_localiser(cells: Cells, seed: int = 0) -> Trace:
+    """Run all cells as one batch with the encoders lost of all joints that move."""
+    lost = [Fault(f"encoder/{joint + 1}", "lost") for joint in MOVING]
+    robots = plant(cells.q, each=cells.each, faults=lost, seed=seed)
+    return run(robots, msma(perception="localiser", seed=seed), task().piece, DURATION)
 
 
 def outcome(cells: Cells, trace: Trace, possible: tuple[Array, Bools]) -> Outcome:

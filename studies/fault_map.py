@@ -5,11 +5,11 @@ from pathlib import Path
 
 import numpy as np
 
-from plant.faults import Fault
 from studies.fault_cells import (
     MID,
     TOLERANCE,
     Map,
+    by_localiser,
     half_speeds,
     killed_agents,
     oracle,
@@ -102,15 +102,8 @@ class FaultMap(Study[MapFound]):
 
 def _blind(mid: Map) -> Map:
     """Run one lock in mid-path again, with the encoders lost and perception `localiser`."""
-    from studies.lockstep import run
-    from studies.mobile import DURATION, msma, plant, task
-
-    cells = mid.cells
-    lost = [Fault(f"encoder/{joint}", "lost") for joint in (1, 2, 3)]
-    robots = plant(cells.q, each=cells.each, faults=lost)
-    trace = run(robots, msma(perception="localiser"), task().piece, DURATION)
-    before = mid.outcome
-    result = outcome(cells, trace, (before.possible, before.high))
+    cells, before = mid.cells, mid.outcome
+    result = outcome(cells, by_localiser(cells), (before.possible, before.high))
     return Map(cells._replace(name="one lock, mid, encoders lost, localiser"), result)
 
 

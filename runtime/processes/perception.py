@@ -93,8 +93,7 @@ class Perception:
 
     def percepts(self, now: float) -> Percepts | None:
         """Return what is fresh `now` [s], and the goal, which never goes stale; None if blind."""
-        hand, states = self._hand.fresh(now), self._joints.fresh(now)
-        base = self._base.fresh(now)
+        hand, states, base = self._hand.fresh(now), self._joints.fresh(now), self._base.fresh(now)
         if hand is None and states is None:
             return None
         moments = [seen.t for seen in (hand, states, base) if seen is not None]
@@ -110,6 +109,7 @@ class Perception:
             np.array((base.x, base.y, base.heading)) if base else None,
             self._goal_in_force(now),
             self._sensed(now),
+            np.array(hand.orientation) if hand else None,
         )
 
     def _sensed(self, now: float) -> Mapping[str, Any]:

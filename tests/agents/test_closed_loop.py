@@ -80,6 +80,13 @@ def test_no_model_is_needed(arph):
     assert trace.error[trace.t > 5.0].max() < 10e-3
 
 
+@pytest.mark.parametrize("angle", [-120, -60, 60])
+def test_no_model_is_needed_where_the_column_jams_on_the_way(arph, angle):
+    jam = Event(8.0, Fault.parse(f"joint/1:locked={angle}deg", arph))
+    trace = follow(arph, perception="localiser", events=[jam])
+    assert trace.error[trace.t > 23.0].max() < 15e-3
+
+
 def test_an_encoder_lost_on_the_way_is_made_up_for_by_the_eye(arph):
     trace = follow(arph, events=[Event(8.0, Fault.parse("encoder/2:lost", arph))])
     assert trace.error[trace.t > 14.0].max() < 10e-3

@@ -47,7 +47,7 @@ def learned(late: int, seed: int) -> tuple[bool, bool]:
     """Whether its column and the lag of the eye were found, after 200 moves among others'."""
     rng = np.random.default_rng(seed)
     lags = np.arange(6) * PERIOD / 2
-    own, true = OwnColumn(lags), np.array([0.3, -0.5, 0.1])
+    own, true = OwnColumn(lags, 3), np.array([0.3, -0.5, 0.1])
     changes = rng.normal(scale=0.2, size=(200, 6))  # of its speed, as seen with each lag
     for speed in changes:
         others = rng.normal(scale=0.02, size=3)
@@ -66,16 +66,37 @@ def test_its_own_column_and_how_late_the_eye_is_are_found_among_others_motions(l
     assert np.mean(lags) >= 0.9
 
 
+def test_one_jolt_by_another_does_not_decide_how_late_the_eye_is():
+    rng = np.random.default_rng(0)
+    own, true = OwnColumn(np.arange(6) * PERIOD / 2, 3), np.array([0.3, -0.5, 0.1])
+    lags = []
+    for tick in range(150):
+        speed = rng.normal(scale=0.2, size=6)
+        others = rng.normal(scale=1e-4, size=3) + (0.5 if tick == 100 else 0.0)
+        own.learn(speed, speed, true * speed[0] + others, **WATCHED)
+        lags.append(float(own.column.lag))
+    assert max(lags[50:]) < PERIOD / 4
+
+
+def test_it_learns_a_column_of_six_as_one_of_three():
+    rng = np.random.default_rng(5)
+    own, true = OwnColumn(np.zeros(1), 6), np.array([0.3, -0.5, 0.1, 0.0, 0.1, -0.1])
+    for _ in range(200):
+        speed = rng.normal(scale=0.2, size=1)
+        own.learn(speed, speed, true * speed + rng.normal(scale=0.02, size=6), **WATCHED)
+    np.testing.assert_allclose(own.column.way, true, atol=0.1)
+
+
 def test_a_column_that_a_model_told_is_known_from_the_start():
     told = np.array([0.1, 0.2, 0.3])
-    own = OwnColumn(np.array([0.0]), told)
+    own = OwnColumn(np.array([0.0]), 3, told)
     np.testing.assert_array_equal(own.column.way, told)
     assert own.column.variance < 0.01
 
 
 def test_an_answer_to_trembling_is_not_taken_for_an_effect() -> None:
     rng = np.random.default_rng(4)
-    own, true = OwnColumn(np.zeros(1)), np.array([0.3, -0.5, 0.1])
+    own, true = OwnColumn(np.zeros(1), 3), np.array([0.3, -0.5, 0.1])
     trembling = np.array([0.0, 0.4, 0.2])
     for _ in range(2000):
         chance, answer = rng.normal(scale=0.2, size=(2, 1))
@@ -85,7 +106,7 @@ def test_an_answer_to_trembling_is_not_taken_for_an_effect() -> None:
 
 
 def test_what_is_known_lasts_while_it_rests() -> None:
-    own = OwnColumn(np.zeros(1), np.array([0.3, -0.5, 0.1]))
+    own = OwnColumn(np.zeros(1), 3, np.array([0.3, -0.5, 0.1]))
     resting = {**WATCHED, "elapsed": np.array(0.0)}
     for _ in range(1000):
         own.learn(np.zeros(1), np.zeros(1), np.full(3, 0.01), **resting)

@@ -197,6 +197,15 @@ def test_a_noisy_localiser_errs_by_its_standard_deviation_along_each_axis() -> N
     np.testing.assert_allclose(np.std(errors, axis=0), 0.001, rtol=0.06)
 
 
+def test_a_noisy_localiser_errs_in_orientation_by_a_fifth_of_a_degree_a_millimetre() -> None:
+    plant = arph("localiser:noisy=2mm")
+    turns = [measured(plant).rotation.reshape(3, 3) for _ in range(3000)]
+    errors = np.stack(turns) @ true(plant).rotation.reshape(3, 3).T
+    np.testing.assert_allclose(errors @ errors.swapaxes(-1, -2) - np.eye(3), 0.0, atol=1e-12)
+    about = errors[:, [2, 0, 1], [1, 2, 0]]  # about x, y and z of the world, as they are small
+    np.testing.assert_allclose(np.degrees(about.std(axis=0)), 0.4, rtol=0.06)
+
+
 @pytest.mark.parametrize("steps", [0, 1, 5])
 def test_a_late_localiser_reports_what_it_measured_so_long_ago(steps: int) -> None:
     plant = arph(f"localiser:late={steps * PERIOD}")

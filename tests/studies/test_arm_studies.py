@@ -16,7 +16,7 @@ from studies import no_model, study_verb
 from studies.arm_batch import ArmAgents, Coupling, reach
 from studies.broken_joints import PAPER_BROKEN, PAPER_START, paper_case, ten_pairs
 from studies.encoder_faults import one as with_encoder_fault
-from studies.no_model import Case, all_cases, seven
+from studies.no_model import Case, all_cases, seven, ur5
 from studies.no_model import one as without_model
 from studies.planar_reach import grid, ring
 from studies.registry import STUDIES, study
@@ -72,6 +72,17 @@ def test_the_arm_of_seven_joints_is_reached_without_a_model(
     monkeypatch.setattr(no_model, "STEPS", 400)
     assert seven().n == 7
     assert np.median(without_model(Case("3D", seven()), 16, 1).end) < 0.003
+
+
+def test_poses_are_reached_without_a_model(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(no_model, "STEPS", 800)
+    case = next(case for case in all_cases() if case.pose and case.bar)
+    assert case.reached(without_model(case, 24, 1)).mean() >= 0.6
+
+
+def test_the_ur5_stretched_out_is_as_long_as_its_maker_says() -> None:
+    tip = Kinematics(ur5()).forward(np.zeros(6)).tip
+    np.testing.assert_allclose(tip, [-0.81725, -0.19145, -0.005491], atol=1e-9)
 
 
 def test_the_cases_without_a_model_all_differ() -> None:

@@ -63,6 +63,7 @@ def test_all_that_is_fresh_is_perceived(agent: Agent) -> None:
     percepts = agent.sees(10.1)
     assert percepts.t == 1.06
     assert percepts.hand == pytest.approx(np.array(POSE.position))
+    assert percepts.orientation == pytest.approx(np.array(POSE.orientation))
     assert percepts.joints is not None
     assert percepts.joints.position == pytest.approx(np.array(STATES.position))
     assert percepts.base == pytest.approx(np.array([-0.15, 0.0, 0.5]))
