@@ -93,7 +93,7 @@ class Percepts(NamedTuple):
     orientation: Array | None = None
 
     @classmethod
-    def of(cls, readings: Readings, goal: Goal) -> "Percepts":
+    def of(cls, readings: Readings, goal: Goal | None) -> "Percepts":
         """Return what an agent perceives that gets all readings, of one robot or a batch.
 
         How the hand is turned is left out where the goal does not say how it should be.
@@ -103,7 +103,7 @@ class Percepts(NamedTuple):
             return None if row is None else np.asarray(row)
 
         orientation = None
-        if goal.orientation is not None and readings.rotation is not None:
+        if goal is not None and goal.orientation is not None and readings.rotation is not None:
             batch = np.asarray(readings.q).shape[:-1]
             orientation = quaternion(np.reshape(readings.rotation, (*batch, 3, 3)))
         return cls(
