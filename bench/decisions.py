@@ -13,16 +13,14 @@ from agents.joint import JointAgent
 from bench.msma_runs import ARPH, deployed
 from plant.kinematic import KinematicPlant
 from plant.kinematics import kinematics_of, quaternion
-from plant.packages import find
 from plant.plant import Commands, Plant, Setup
 from plant.robot import Robot, RobotError
 from plant.urdf import load
+from studies.cases.posed import UR5
 from studies.lockstep import decide_all
 
 POSE = ", pose goal"
 """End of the names of cases with a goal of position and orientation."""
-UR5 = "example-robot-data", "ur_description/urdf/ur5_robot.urdf"
-"""The package and file of an arm that the project is compared on, if it is installed."""
 
 
 class DecisionCase(NamedTuple):
@@ -82,7 +80,7 @@ def recorded_cases(ticks: int) -> dict[str, DecisionCase]:
         )
     arms = {"seven": load("seven")}
     with suppress(RobotError):  # its package is an extra
-        arms["UR5"] = load(find(*UR5), tip="tool0")
+        arms["UR5"] = UR5.load()
     for name, arm in arms.items():
         cases[f"joint/1 of {name}{POSE}"] = DecisionCase(
             partial(_joint, arm, 0, "auto"), _to_a_pose(arm, ticks)

@@ -26,7 +26,7 @@ import numpy as np
 from agents.agent import Array, Body, Percepts
 from agents.kick import Kick, Kicks
 from agents.laws import LEVER, reach_of
-from agents.markers import Aim, Off, aim_at, cost, turned_against
+from agents.markers import Aim, Off, aim_at, cost, rotation_vector, turned_against
 from agents.others import links_of
 from plant.kinematics import ArmPose, kinematics_of
 from plant.plant import Commands
@@ -137,7 +137,8 @@ class DampedLeastSquares(PoseController):
         """Return the speeds (B, n) or (B, n + 2)."""
         error = np.stack([g - e for g, e in zip(aim.place, off.tip, strict=True)], axis=-1)
         if off.turn is not None:
-            error = np.concatenate([error, self._lever * _turn_back(off.turn)], axis=-1)
+            back = -np.stack(rotation_vector(np, off.turn), axis=-1)
+            error = np.concatenate([error, self._lever * back], axis=-1)
         n, k = self._robot.n, error.shape[-1]
         columns = self._columns(arm, base)[..., :k] * (self._top[:, None] / RATE)
         free = np.ones(columns.shape[:-1], dtype=bool)
@@ -170,15 +171,6 @@ class DampedLeastSquares(PoseController):
         driven[..., 1, 0], driven[..., 1, 1] = y - arm.tip[..., 1], arm.tip[..., 0] - x
         driven[..., 1, 5] = self._lever
         return np.concatenate([columns, driven], axis=-2)
-
-
-def _turn_back(turn: tuple[Array, ...]) -> Array:
-    """Return the rotation vector (B, 3) [rad] that undoes a rotation w, x, y, z."""
-    w, vector = turn[0], np.stack(turn[1:], axis=-1)
-    size = np.sqrt((vector * vector).sum(axis=-1))
-    angle = 2.0 * np.arctan2(size, np.abs(w))
-    back: Array = -(np.copysign(angle, w) / np.maximum(size, 1e-12))[..., None] * vector
-    return back
 
 
 class RandomMoves:

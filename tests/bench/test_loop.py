@@ -76,9 +76,7 @@ def test_all_systems_answer_and_are_measured(tmp_path: Path) -> None:
     # at a rate that a busy machine holds too, even with a decision on every state
     bench = LoopBench({200: 1.0}, rounds=1, detailed={200})
     result = bench.measure(1.0, Progress())
-    sent = [check for check in result.checks if "ticks sent" in check.what]
-    assert len(sent) == 5
-    assert all(check.passed for check in sent), result.checks
+    assert result.sound, result.checks
     sides = result.data["200"]
     assert set(sides) == {OURS, PLAIN, DECIDING, EVERY_STATE, BUSY}
     for (found,) in sides.values():
