@@ -9,12 +9,19 @@ import numpy as np
 
 from agents.agent import Array, Body, Goal, Percepts
 from agents.kick import Kick, Kicks
-from agents.markers import Aim, Off, after_step, aim_at, cost, place_at, turned_against
+from agents.markers import (
+    Off,
+    after_step,
+    aim_at,
+    cost,
+    moved_by,
+    place_at,
+    turned_against,
+)
 from agents.number import Namespace, Number, Vector, components, namespace_of
 from agents.others import TRUST, Seen, first_seen, left_by_others, links_of
 from agents.sight import View
 from agents.stops import Stops
-from plant.kinematics import ArmPose, kinematics_of
 
 LEVER = 0.12
 """[reaches] sqrt(k): 0.08 to 0.16 do as well, 0.04 and 0.3 lose 5 to 7 of 100 (seeds 0 to 9)."""
@@ -70,16 +77,18 @@ class LineByModel(Law):
     """The best step a moment ahead, after what the joints beyond will do.
 
     The joint goes on as it moves now, a little less, corrected by the step that would bring the
-    hand closest to the goal at the end of the horizon H, if all went on so and the joints beyond
-    did their part first (`others`):
+    hand closest to where the goal will be at the end of the horizon H, less what the hand will
+    have moved by then if all go on so, after the joints beyond have done their part (`others`):
 
-        v = f q' + w / H,    f = exp(-T / m),    w = `best_step` at q + f q' H,
+        v = f q' + w / H,    f = exp(-T / m),    w = `best_step` to g + g' H - s' H,
 
-    with T since the last decision. So a goal in steady motion is followed without lag, and what
-    others do, or fail to do, is made up for without knowing of it. Motion that serves nothing fades
-    within m: `memory` while the goal moves, `FADES` where it stands still; what serves is made up
-    for in w. It is the encoder that remembers, so what does not move does not wind up. Towards a
-    goal that stands still,
+    with T since the last decision and s' the velocity of the hand s by the speeds f q' of all. Once
+    w is 0, what is off, g - s, fades as exp(-t / H). (With the place where the arm would be in H,
+    half of H^2 times the acceleration that the hand has at constant speeds of all would stay.) So a
+    goal in steady motion is followed without lag, and what others do, or fail to do, is made up for
+    without knowing of it. Motion that serves nothing fades within m: `memory` while the goal moves,
+    `FADES` where it stands still; what serves is made up for in w. It is the encoder that
+    remembers, so what does not move does not wind up. Towards a goal that stands still,
 
         |v| <= max(`BRAKES` sqrt(2 a |w + f q' H|), `LEAST_SPEED` v_max)
 
@@ -95,7 +104,7 @@ class LineByModel(Law):
         """Move joint `joint` (from 0) of that body: see `JointAgent` for the rest."""
         self._joint, self._period = joint, body.period
         self._links = links_of(body)
-        self._kinematics = kinematics_of(body.robot)
+        self._slides = [link.slides for link in self._links]
         self._horizon, self._memory, self._bend = horizon, memory, bend
         reach, own = reach_of(body), self._links[joint]
         self._lever2, self._near2 = (LEVER * reach) ** 2, (NEAR * reach) ** 2
@@ -105,9 +114,10 @@ class LineByModel(Law):
 
     def velocity(self, percepts: Percepts, goal: Goal, view: View) -> Array:
         """Return the velocity (...) [rad/s or m/s]."""
-        joints, t, horizon, index = percepts.joints, percepts.t, self._horizon, self._joint
+        joints, arm, t = percepts.joints, view.arm, percepts.t
+        horizon, index = self._horizon, self._joint
         assert joints is not None
-        assert view.arm is not None  # it was made of the encoders
+        assert arm is not None  # it was made of the encoders
         xp = namespace_of(joints.position)
         q, speeds = components(joints.position), components(joints.velocity)
         base = None if percepts.base is None else components(percepts.base)
@@ -130,16 +140,22 @@ class LineByModel(Law):
             xp.clip(here + fading * speed * horizon, lower, upper)
             for here, speed, (_, lower, upper, _, _) in zip(q, going, self._links, strict=True)
         ]
-        ahead = self._kinematics.of_parts(places, self._base_ahead(xp, base, last, t))
+        steps = [there - here for there, here in zip(places, q, strict=True)]
+        goes, turns = moved_by(arm, self._slides, steps, base, self._carried(xp, base, last, t))
         aim = aim_at(xp, goal, t, horizon)
-        off = Off(ahead.tip_parts, turned_against(xp, ahead, aim))
+        off = Off(arm.tip_parts, turned_against(xp, arm, aim, turns))
+        (gx, gy, gz), (vx, vy, vz) = aim.place, goes
         step, changes = left_by_others(
-            xp, self._links, index, ahead, off, aim, self._lever2, horizon, places, going,
-            [eta for eta, _ in expected], max(elapsed, self._period), fading,
+            xp, self._links, index, arm, off, (gx - vx, gy - vy, gz - vz), self._lever2, horizon,
+            places, going, [eta for eta, _ in expected], max(elapsed, self._period), fading,
         )  # fmt: skip
         if self._stops is not None:
             step = self._stops.turn(xp, t, q[index], step)
-        kick = None if moves else self._watched(xp, t, goal, aim, view.arm, last.kick)
+        kick = None
+        if not moves:
+            off = Off(arm.tip_parts, turned_against(xp, arm, aim))
+            missing = xp.sqrt(cost(off, aim.place, self._lever2))
+            kick = self._kicks.watched(xp, last.kick, _standing(goal), t, missing)
         if kick is not None:
             step = xp.where(t < kick.until, kick.place - places[index], step)
         self._last = Last(t, base, seen, changes, kick)
@@ -150,7 +166,7 @@ class LineByModel(Law):
             comfort = side * short / self._memory
         velocity: Array = comfort + (going[index] - comfort) * fading + step / horizon
         if base is not None:
-            (ex, ey, _), (gx, gy, _) = view.arm.tip_parts, place_at(goal, goal.moving(t))
+            (ex, ey, _), (gx, gy, _) = arm.tip_parts, place_at(goal, goal.moving(t))
             off2 = xp.maximum((gx - ex) ** 2 + (gy - ey) ** 2, self._near2)
             most = own.speed * (self._near2 / off2)
             velocity = xp.clip(velocity, -most, most)
@@ -161,28 +177,20 @@ class LineByModel(Law):
             velocity = xp.clip(velocity, -most, most)
         return velocity
 
-    def _base_ahead(
-        self, xp: Namespace, base: Vector | None, last: Last, t: float
-    ) -> tuple[Number, ...]:
-        """Return x, y [m], heading [rad] of the base at the end of the horizon, if it goes on."""
+    def _carried(self, xp: Namespace, base: Vector | None, last: Last, t: float) -> Vector | None:
+        """Return x, y [m], heading [rad] by which the base moves in the horizon, if it goes on."""
         if base is None or last.base is None or not t > last.t:
-            return base or (0.0, 0.0, 0.0)
-        x, y, heading = base
-        share = self._horizon / (t - last.t)
-        before_x, before_y, before = last.base
-        turn = heading - before
+            return None
+        (x, y, heading), (before_x, before_y, before) = base, last.base
+        share, turn = self._horizon / (t - last.t), heading - before
         turn = xp.atan2(xp.sin(turn), xp.cos(turn))
-        return x + share * (x - before_x), y + share * (y - before_y), heading + share * turn
+        return share * (x - before_x), share * (y - before_y), share * turn
 
-    def _watched(
-        self, xp: Namespace, t: float, goal: Goal, aim: Aim, arm: ArmPose, kick: Kick | None
-    ) -> Kick:
-        """Return the memory of moves by chance, after a look at the hand and a goal that stands."""
-        stands = goal.position.tobytes()
-        if goal.orientation is not None:
-            stands += goal.orientation.tobytes()
-        off = Off(arm.tip_parts, turned_against(xp, arm, aim))
-        return self._kicks.watched(xp, kick, stands, t, xp.sqrt(cost(off, aim.place, self._lever2)))
+
+def _standing(goal: Goal) -> bytes:
+    """Return which goal that stands still it is."""
+    turned = b"" if goal.orientation is None else goal.orientation.tobytes()
+    return goal.position.tobytes() + turned
 
 
 def reach_of(body: Body) -> float:

@@ -14,6 +14,7 @@ axis to where C is least. What the directions differ by is one rotation, the uni
     sum_c (a . u_c)(a . v_c) = w^2 - |r|^2 + 2 (a . r)^2.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -67,10 +68,7 @@ def aim_at(xp: Namespace, goal: Goal, t: float, horizon: float = 0.0) -> Aim:
     turn = qw, qx, qy, qz
     if moving and goal.angular_velocity is not None:
         rx, ry, rz = components(goal.angular_velocity)
-        rate = xp.sqrt(rx * rx + ry * ry + rz * rz) + 1e-30
-        half = 0.5 * rate * moving
-        sine = xp.sin(half) / rate
-        turn = product((xp.cos(half), sine * rx, sine * ry, sine * rz), turn)
+        turn = turned_by(xp, (rx * moving, ry * moving, rz * moving), turn)
     return Aim(place, turn, goal.free == "roll")
 
 
@@ -95,15 +93,29 @@ def product(one: Quaternion, other: Quaternion) -> Quaternion:
     )
 
 
-def turned_against(xp: Namespace, arm: ArmPose, aim: Aim) -> Quaternion | None:
+def turned_by(xp: Namespace, vector: Vector, turn: Quaternion) -> Quaternion:
+    """Return a rotation and then that of a vector (3), its axis times its angle [rad]."""
+    x, y, z = vector
+    angle = xp.sqrt(x * x + y * y + z * z) + 1e-30
+    sine = xp.sin(0.5 * angle) / angle
+    return product((xp.cos(0.5 * angle), sine * x, sine * y, sine * z), turn)
+
+
+def turned_against(
+    xp: Namespace, arm: ArmPose, aim: Aim, turns: Vector | None = None
+) -> Quaternion | None:
     """Return the rotation that takes the aim's directions to the hand's; None where it is free.
 
     Args:
         xp: The namespace.
         arm: The arm of the hand.
         aim: Where the hand should be.
+        turns: (3) how far the hand turns till then [rad].
     """
-    return None if aim.turn is None else turn_against(xp, turn_of(xp, arm), aim)
+    if aim.turn is None:
+        return None
+    hand = turn_of(xp, arm)
+    return turn_against(xp, hand if turns is None else turned_by(xp, turns, hand), aim)
 
 
 def turn_of(xp: Namespace, arm: ArmPose) -> Quaternion:
@@ -141,6 +153,40 @@ def rotation_vector(xp: Namespace, turn: Quaternion) -> Vector:
     size = xp.sqrt(x * x + y * y + z * z) + 1e-30
     share = 2.0 * xp.atan2(xp.copysign(size, w), xp.abs(w)) / size
     return share * x, share * y, share * z
+
+
+def moved_by(
+    arm: ArmPose,
+    slides: Sequence[bool],
+    steps: Sequence[Number],
+    base: Vector | None,
+    carried: Vector | None,
+) -> tuple[Vector, Vector]:
+    """Return how far the hand moves [m] and turns [rad] if it keeps to its velocity.
+
+    To first order: steps times columns of the Jacobian matrix.
+
+    Args:
+        arm: The arm.
+        slides: Whether each joint does.
+        steps: Of each joint [rad or m].
+        base: (3) where that is: x, y [m], heading [rad].
+        carried: (3) by what that moves; None where it does not.
+    """
+    (ex, ey, ez), axes, points = arm.tip_parts, arm.axis_parts, arm.point_parts
+    vx = vy = vz = wx = wy = wz = 0.0
+    if base is not None and carried is not None:
+        ahead, left, wz = carried
+        vx, vy = ahead - wz * (ey - base[1]), left + wz * (ex - base[0])
+    for slide, step, (ax, ay, az), (px, py, pz) in zip(slides, steps, axes, points, strict=True):
+        ax, ay, az = step * ax, step * ay, step * az
+        if slide:
+            vx, vy, vz = vx + ax, vy + ay, vz + az
+            continue
+        rx, ry, rz = ex - px, ey - py, ez - pz
+        vx, vy, vz = vx + ay * rz - az * ry, vy + az * rx - ax * rz, vz + ax * ry - ay * rx
+        wx, wy, wz = wx + ax, wy + ay, wz + az
+    return (vx, vy, vz), (wx, wy, wz)
 
 
 def best_step(

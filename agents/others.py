@@ -22,8 +22,8 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from agents.agent import Body
-from agents.markers import Aim, Off, after_step, best_step
-from agents.number import Namespace, Number
+from agents.markers import Off, after_step, best_step
+from agents.number import Namespace, Number, Vector
 from plant.kinematics import ArmPose
 
 TRUST = 4.0
@@ -107,7 +107,7 @@ def first_seen(speed: Number) -> Seen:
 
 
 def left_by_others(
-    xp: Namespace, links: tuple[Link, ...], own: int, ahead: ArmPose, off: Off, aim: Aim,
+    xp: Namespace, links: tuple[Link, ...], own: int, arm: ArmPose, off: Off, goal: Vector,
     lever2: float, horizon: float, places: Sequence[Number], speeds: Sequence[Number],
     shares: Sequence[Number], elapsed: float, fading: float,
 ) -> tuple[Number, Sequence[Number]]:  # fmt: skip
@@ -117,9 +117,9 @@ def left_by_others(
         xp: The namespace.
         links: All joints of the arm.
         own: Index of the joint.
-        ahead: The arm at the end of the horizon, if all go on and fade.
-        off: Its hand.
-        aim: Where that is to be.
+        arm: The arm.
+        off: Its hand, turned as it will be at the end of the horizon if all go on and fade.
+        goal: (3) where that will be, less what the hand moves till then [m].
         lever2: See `markers`.
         horizon: [s].
         places: Of all joints at the end of the horizon [rad or m].
@@ -134,8 +134,8 @@ def left_by_others(
     for index in range(len(links) - 1, own - 1, -1):
         slides, lower, upper, top, acceleration = links[index]
         place, speed = places[index], speeds[index]
-        axis, point = ahead.axis_parts[index], ahead.point_parts[index]
-        step = best_step(xp, off, aim.place, lever2, axis, point, slides)
+        axis, point = arm.axis_parts[index], arm.point_parts[index]
+        step = best_step(xp, off, goal, lever2, axis, point, slides)
         gain = acceleration * elapsed
         rest = fading * speed
         least = maximum(-top, speed - gain) - rest

@@ -127,12 +127,6 @@ class Kinematics:
         """Return the same for one arm in plain numbers: its n positions, and the base's three."""
         return ArmPose((), *self._of_one(*base, *q))
 
-    def of_parts(self, q: Sequence[Any], base: Sequence[Any]) -> ArmPose:
-        """Return the same of n positions and the base's three, each of them (...) or a float."""
-        if isinstance(q[0], float):
-            return self.forward_of_one(q, base)
-        return ArmPose(np.shape(q[0]), *self._of_many(*base, *q))
-
     def _forward_of_many(self, q: Array, base: Array) -> ArmPose:
         """Return the same for any batch, with each number of all arms in one array."""
         batch = np.broadcast_shapes(q.shape[:-1], base.shape[:-1])

@@ -4,7 +4,19 @@ import numpy as np
 import pytest
 
 from agents.agent import Goal
-from agents.markers import Aim, Off, after_step, aim_at, best_step, cost, product, turned_against
+from agents.markers import (
+    Aim,
+    Off,
+    after_step,
+    aim_at,
+    best_step,
+    cost,
+    moved_by,
+    product,
+    turn_of,
+    turned_against,
+    turned_by,
+)
 from agents.number import MANY, ONE, components
 from plant.kinematics import ArmPose, kinematics_of, quaternion
 from plant.urdf import load
@@ -49,6 +61,19 @@ def test_no_other_step_of_a_joint_costs_less(seven, joint, slides, free):
         for more in (0.0, *np.linspace(-3.0, 3.0, 40))
     ]
     assert costs[0] == pytest.approx(min(costs))
+
+
+@pytest.mark.parametrize("name", ["arph", "telescope"])
+def test_a_hand_goes_on_as_small_steps_of_joints_and_base_move_it(name):
+    robot, rng = load(name), np.random.default_rng(1)
+    q, steps = rng.uniform(-0.5, 0.5, robot.n), rng.uniform(-1e-6, 1e-6, robot.n)
+    base, carried = np.array([0.3, -0.2, 0.7]), np.array([2e-6, -1e-6, 3e-6])
+    kinematics = kinematics_of(robot)
+    now, then = kinematics.forward(q, base), kinematics.forward(q + steps, base + carried)
+    slides = [joint.slides for joint in robot.joints]
+    goes, turns = moved_by(now, slides, steps.tolist(), tuple(base), tuple(carried))
+    assert goes == pytest.approx(then.tip - now.tip, abs=1e-10)
+    assert turned_by(ONE, turns, turn_of(ONE, now)) == pytest.approx(turn_of(ONE, then), abs=1e-10)
 
 
 def test_a_hand_that_may_roll_is_not_asked_to(seven):
