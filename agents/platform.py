@@ -1,12 +1,13 @@
 """The agent of the mobile platform."""
 
+from math import exp
 from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from agents.agent import REST, Agent, AgentError, Array, Body, Percepts
 from agents.sight import Perception, Sight, View
-from agents.steering import SMALL, TRIFLE, Course, Places, Planner
+from agents.steering import FORWARD, SMALL, TRIFLE, Course, Places, Planner
 from plant.kinematics import ArmPose, Kinematics
 from plant.robot import Drive
 
@@ -128,7 +129,7 @@ class PlatformAgent(Agent):
         change = np.array([drive.max_linear_acceleration, drive.max_angular_acceleration])
         self._planner = Planner(self._top, change, self._length)
         self._unit, self._period = self._planner.unit, body.period
-        self.rest = REST * PLANS * self._planner.unit
+        self.rest = REST * float(self._planner.length[0])
         self._stops = np.stack([body.robot.lower, body.robot.upper])
         self._reach, self._bearing = reach * self._length, bearing
         self._memory: Memory | None = None
@@ -155,7 +156,7 @@ class PlatformAgent(Agent):
         since = percepts.t - memory.t + self._period
         share = min(since / self._planner.length[0], 1.0)
         wanted = memory.now + share * (memory.plan[..., 0, :] - memory.now)
-        told = np.clip(wanted / able, [0.0, -1.0], 1.0)
+        told = np.clip(wanted / able, FORWARD, 1.0)
         self._own = own._replace(told=told)
         speeds: Array = told * self._top
         if not np.isfinite(speeds).all():  # a percept beyond all reason: begin as a new agent does
@@ -170,16 +171,22 @@ class PlatformAgent(Agent):
             return Own(t, base, none, none, np.zeros((2, *none.shape)))
         if not t > old.t:
             return old
-        way = base - old.base
-        way[..., 2] = np.angle(np.exp(1j * way[..., 2]))
-        heading = old.base[..., 2] + 0.5 * way[..., 2]
-        ahead = way[..., 0] * np.cos(heading) + way[..., 1] * np.sin(heading)
-        speed = np.stack([ahead, way[..., 2]], axis=-1) / (t - old.t) / self._top
-        seen = np.stack([old.told * speed, old.told**2])
-        return Own(t, base, old.told, speed, old.able + self._share(t - old.t) * (seen - old.able))
+        speed = base - old.base
+        turn = speed[..., 2]
+        turn = turn - 2 * np.pi * np.round(turn / (2 * np.pi))
+        heading = old.base[..., 2] + 0.5 * turn
+        ahead = speed[..., 0] * np.cos(heading) + speed[..., 1] * np.sin(heading)
+        speed = speed[..., :2]
+        speed[..., 0], speed[..., 1] = ahead, turn
+        speed /= (t - old.t) * self._top
+        share, able = self._share(t - old.t), np.empty_like(old.able)
+        np.multiply(old.told, speed, out=able[0])
+        np.square(old.told, out=able[1])
+        able = old.able + share * (able - old.able)
+        return Own(t, base, old.told, speed, able)
 
     def _share(self, elapsed: float, memory: float = FADES) -> float:
-        return float(1 - np.exp(-elapsed / (memory * self._unit)))
+        return 1.0 - exp(-elapsed / (memory * self._unit))
 
     def _planned(
         self, percepts: Percepts, view: View, own: Own, able: Array, old: Memory | None
@@ -239,7 +246,7 @@ class PlatformAgent(Agent):
         content = np.clip(1 - off / trifle, 0.0, 1.0)
         ease = old.ease + share * (content * self._comfort(held, hand[..., 2]) - old.ease)
         wanted = goal_then + (lasting * turn + ease)[..., None]
-        now = np.clip(own.speed, [0.0, -1.0], 1.0)
+        now = np.clip(own.speed, FORWARD, 1.0)
         before = None if old.plan is None else self._planner.later(old.plan, elapsed)
         plan, missed = self._planner.plan(Course(wanted, hand_then, now, able), before)
         left = missed[..., self._planner.end >= fades].max(axis=-1)
@@ -285,32 +292,42 @@ def lifted(
     This holds as far as the level motion follows from the rise, as it does where but one joint
     moves. Second is the slope (...) [m/m] now.
     """
-    way = np.cross(arm.axes, arm.tip[..., None, :] - arm.points)  # (..., n, 3) [m/rad]
-    level, rises = _flat(way), way[..., 2]
+    axes, lever = (
+        np.moveaxis(arm.axes, -1, 0),
+        np.moveaxis(arm.tip[..., None, :] - arm.points, -1, 0),
+    )
+    way = _across(axes, lever)  # (3, ..., n) [m/rad]
+    level, rises = way[0] + 1j * way[1], way[2]
     lifts = moved * rises**2
     rise = lifts.sum(axis=-1) + still**2
     together = (moved * rises * level).sum(axis=-1)
     slides = (moved * np.abs(level) ** 2).sum(axis=-1)
     follows = 1 - (slides - np.abs(together) ** 2 / rise) / (slides + rise)
     follows = np.clip(follows, 0.0, 1.0) ** ALONE
-    inward = np.cross(way, arm.axes)  # from the circle's centre to the hand
-    size = np.maximum(np.hypot(inward[..., 2], rises), 1e-9)[..., None]
-    phase = np.arctan2(rises, inward[..., 2])[..., None]
-    up = height[..., None, :] - (arm.tip[..., 2, None] - inward[..., 2])[..., None]
+    inward = _across(way, axes)  # from the circle's centre to the hand
+    size = np.maximum(np.hypot(inward[2], rises), 1e-9)[..., None]
+    phase = np.arctan2(rises, inward[2])[..., None]
+    up = height[..., None, :] - (arm.tip[..., 2, None] - inward[2])[..., None]
     up = up / size
-    most = np.clip(np.abs(inward[..., 2, None]) / size, TOP, (1 + TOP) / 2)
+    most = np.clip(np.abs(inward[2])[..., None] / size, TOP, (1 + TOP) / 2)
     within = np.clip(up, -most, most)
     off = np.where(phase > 0, 1.0, -1.0) * np.arccos(within)
     near, far = phase - off, np.angle(np.exp(1j * (phase + off)))
     low, high = room[..., 0, :, None], room[..., 1, :, None]
     other = (low <= far) & (far <= high) & ((near < low) | (near > high))
     angle = np.where(other, far, near)
-    centre, begin = _flat(inward)[..., None], level[..., None]
+    centre, begin = (inward[0] + 1j * inward[1])[..., None], level[..., None]
     cosine, sine = np.cos(angle), np.sin(angle)
     tangent = (begin * cosine - centre * sine) / np.sin(phase - angle)
     shift = centre * (cosine - 1) + begin * sine + tangent * (up - within)
     mean = ((lifts / rise[..., None])[..., None] * shift).sum(axis=-2)
     return follows[..., None] * mean, follows * together / rise
+
+
+def _across(one: Array | tuple[Array, ...], other: Array) -> tuple[Array, Array, Array]:
+    """Return the components of the cross product of two vectors, faster than numpy for a few."""
+    (a, b, c), (x, y, z) = one, other
+    return b * z - c * y, c * x - a * z, a * y - b * x
 
 
 def _flat(vector: Array) -> Places:

@@ -16,7 +16,7 @@ is to end with the heading psi with which such a hand, a ahead of the axle, stay
 Lengths are shares of the arm's reach L, times of L / v_max.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -63,6 +63,9 @@ motion to the side. Chosen: at 1 the hand would drift as fast as the goal goes."
 STEPS = 0.0, 1.0, 0.4, 0.1
 """[] Shares of a Gauss-Newton step that the line search tries. Standard: a full step, and
 backtracking by less than a half."""
+
+
+FORWARD = np.array([0.0, -1.0])  # least shares of the tops: it never goes backwards
 
 
 class Course(NamedTuple):
@@ -122,6 +125,8 @@ class Planner:
         self._turning = (MOVES * reach) ** 2 * self.length[:, None] * np.array([0.0, 1.0])
         self._stiff = np.kron(np.eye(2), self._changes.T @ self._changes)
         self._stiff += np.diag(self._turning.T.ravel())
+        self._until = np.tri(INTERVALS)
+        self._shares = np.array(STEPS)[:, None]
         self._final = np.exp(2j * np.pi * np.arange(SEEDS) / SEEDS)
 
     def plan(self, course: Course, before: Array | None) -> tuple[Array, Array]:
@@ -135,7 +140,7 @@ class Planner:
         others = np.stack([np.zeros_like(held), held], axis=-3)
         others = np.clip(np.concatenate([others, self._seeds(course)], axis=-3), least, most)
         tail = self._tail(course)
-        best = self._cost(course, tail, others).argmin(axis=-1)[..., None]
+        best = self._cost(course, tail, others)[0].argmin(axis=-1)[..., None]
         first = held if before is None else before
         both = np.concatenate(
             [
@@ -144,11 +149,10 @@ class Planner:
             ],
             axis=-3,
         )
-        both, costs = self._improved(course, tail, both, least, most)
+        both, costs, left = self._improved(course, tail, both, least, most)
         takes = costs[..., 1] < BETTER * costs[..., 0]
         plan = np.where(takes[..., None, None], both[..., 1, :, :], both[..., 0, :, :])
-        *_, missing = self._moved(course, plan[..., None, :, :])
-        return plan, np.abs(missing[..., 0, :])
+        return plan, np.where(takes[..., None], left[..., 1, :], left[..., 0, :])
 
     def later(self, plan: Array, elapsed: float) -> Array:
         """Return what is left of plans (..., M, 2), `elapsed` [s] later; their end lasts."""
@@ -161,7 +165,7 @@ class Planner:
     def _bounds(self, course: Course) -> tuple[Array, Array]:
         """Return the least and most speeds (..., 1, M, 2) there can be; never backwards."""
         now, able = course.now[..., None, None, :], course.able[..., None, None, :]
-        change, floor = self._change * self.end[:, None], able * np.array([0.0, -1.0])
+        change, floor = self._change * self.end[:, None], able * FORWARD
         least: Array = np.clip(now - change, floor, able)
         most: Array = np.clip(now + change, floor, able)
         return least, most
@@ -187,9 +191,9 @@ class Planner:
         steady = going / speed * (np.sqrt(1 - sine**2) - 1j * sine)
         behind = np.maximum(-course.hand.real, 0.0)
         kept = np.exp(-speed * step / np.maximum(behind[..., INTERVALS:], 1e-9))
-        heading = steady[..., -1]
-        for k in range(BEYOND - 1, -1, -1):
-            heading = kept[..., k] * heading + (1 - kept[..., k]) * steady[..., k]
+        after = np.cumprod(kept, axis=-1)
+        heading = (steady * np.diff(after, axis=-1, prepend=1)).sum(axis=-1)
+        heading = after[..., -1] * steady[..., -1] - heading
         heading = heading / np.maximum(np.abs(heading), 1e-9)
         speed, behind = speed[..., 0], behind[..., last]
         weight = speed * behind / (speed**2 + (behind / self.end[-1]) ** 2) / 2
@@ -205,8 +209,10 @@ class Planner:
         speed[..., 0, :] += course.now[..., None, :]
         turn = speed[..., 1] * self._most_turn
         angle = np.cumsum(turn, axis=-1)
-        middle = np.exp(1j * (angle - 0.5 * turn))
-        way = speed[..., 0] * self._most_ahead * np.sinc(turn / (2 * np.pi)) * middle
+        half = 0.5 * turn
+        middle = np.exp(1j * (angle - half))
+        half += 1e-300  # a chord is sin(half) / half of its arc
+        way = speed[..., 0] * self._most_ahead * (np.sin(half) / half) * middle
         place = np.cumsum(way, axis=-1)
         hand = place + np.exp(1j * angle) * course.hand[..., None, :INTERVALS]
         last = np.exp(1j * angle[..., -1])
@@ -216,8 +222,8 @@ class Planner:
         size: Array = self._small**2 / POWER * ((1 + (missing / self._small) ** 2) ** POWER - 1)
         return size
 
-    def _cost(self, course: Course, tail: Tail, plan: Array) -> Array:
-        """Return the cost (..., C) [m2 s] of plans (..., C, M, 2)."""
+    def _cost(self, course: Course, tail: Tail, plan: Array) -> tuple[Array, Array]:
+        """Return the cost (..., C) [m2 s] of plans (..., C, M, 2), and their errors (..., C, M)."""
         heading, _, _, missing = self._moved(course, plan)
         far = np.abs(missing)
         rho, last = self._rho(far), far[..., -1]
@@ -229,7 +235,7 @@ class Planner:
         change = self._changed(course, plan)
         moves = (change**2 + self._turning * plan**2).sum(axis=(-1, -2))
         cost: Array = rho @ self.length + rest + tail.weight * beside + moves
-        return cost
+        return cost, far
 
     def _changed(self, course: Course, plan: Array) -> Array:
         change: Array = self._changes @ plan
@@ -246,23 +252,23 @@ class Planner:
         turns = np.abs(np.angle(way)) + np.abs(np.angle(self._final * np.conj(way)))
         time = np.abs(way) / self.top[0] + turns / self.top[1]
         best = time.argmin(axis=-1)[..., None]
-        time, turns = (np.take_along_axis(all_of, best, -1)[..., 0] for all_of in (time, turns))
-        return time, turns
+        return time.min(axis=-1), _taken(turns, best)[..., 0]
 
     def _improved(
         self, course: Course, tail: Tail, plan: Array, least: Array, most: Array
-    ) -> tuple[Array, Array]:
-        """Return plans (..., C, M, 2) after one Gauss-Newton step within bounds, and their costs.
+    ) -> tuple[Array, Array, Array]:
+        """Return plans (..., C, M, 2) after one Gauss-Newton step within bounds.
+
+        Then their costs (..., C) and errors (..., C, M).
 
         The hand turns about where the platform is in mid-interval, so that
         dh_j / dv_k = T_k e^ia_k and dh_j / dw_k = i T_k (h_j - p_k) for k up to j.
         """
         heading, middle, pivot, missing = self._moved(course, plan)
         hand = course.goal[..., None, :INTERVALS] - missing
-        until = np.tri(INTERVALS)
-        ahead = (until * (middle * self._most_ahead)[..., None, :]) @ self._mix
+        ahead = (self._until * (middle * self._most_ahead)[..., None, :]) @ self._mix
         around = 1j * (hand[..., :, None] - pivot[..., None, :]) * self._most_turn
-        ways = np.concatenate([ahead, (until * around) @ self._mix], axis=-1)
+        ways = np.concatenate([ahead, (self._until * around) @ self._mix], axis=-1)
         weight = np.broadcast_to(self.length, missing.shape).copy()
         weight[..., -1] += END * self.unit + self._to_go(course, heading, missing[..., -1])[0] / 2
         aside = 2 * ways[..., -1:, :]
@@ -284,21 +290,22 @@ class Planner:
         row = np.arange(2 * INTERVALS)
         bend[..., row, row] += np.where(free, 1e-9, 1.0)
         step = np.linalg.solve(bend, np.where(free, down, 0.0)[..., None])[..., 0]
-        tried = at[..., None, :] + np.array(STEPS)[:, None] * step[..., None, :]
+        tried = at[..., None, :] + self._shares * step[..., None, :]
         tried = np.clip(tried, low[..., None, :], high[..., None, :])
         tried = np.swapaxes(tried.reshape(*tried.shape[:-1], 2, INTERVALS), -1, -2)
         beside = tried.reshape(*tried.shape[:-4], -1, INTERVALS, 2)
-        costs = self._cost(course, tail, beside).reshape(tried.shape[:-2])
-        best = costs.argmin(axis=-1)[..., None]
-        plan = np.take_along_axis(tried, best[..., None, None], axis=-3)[..., 0, :, :]
-        return plan, np.take_along_axis(costs, best, axis=-1)[..., 0]
+        costs, errors = self._cost(course, tail, beside)
+        costs = costs.reshape(tried.shape[:-2])
+        best = costs.argmin(axis=-1)[..., None, None]
+        plan = np.take_along_axis(tried, best[..., None], axis=-3)[..., 0, :, :]
+        errors = np.take_along_axis(errors.reshape(tried.shape[:-1]), best, axis=-2)[..., 0, :]
+        return plan, costs.min(axis=-1), errors
 
     def _seeds(self, course: Course) -> Array:
         """Return plans (..., S, M, 2) that turn, drive and turn, to end with each heading."""
         row = np.zeros((*course.goal.shape[:-1], SEEDS), dtype=np.intp)
         for _ in range(3):  # the goal goes on meanwhile
-            way = np.take_along_axis(course.goal, row, axis=-1)
-            way = way - self._final * np.take_along_axis(course.hand, row, axis=-1)
+            way = _taken(course.goal, row) - self._final * _taken(course.hand, row)
             turns = np.angle(way), np.angle(self._final * np.conj(way))
             drive = np.abs(way) / self.top[0]
             lasts = np.stack([abs(turns[0]) / self.top[1], drive, abs(turns[1]) / self.top[1]])
@@ -314,6 +321,13 @@ def _beside(tail: Tail, heading: Places, missing: Places) -> Places:
     """Twice what is missing at the axle (..., C) [m] at the plan's end, beside the hand."""
     beside: Places = 2 * (missing[..., -1] + tail.ahead * (heading - tail.heading))
     return beside
+
+
+def _taken(values: npt.NDArray[Any], index: npt.NDArray[np.intp]) -> npt.NDArray[Any]:
+    """Return values (..., K) at indices (..., S), a quarter of `take_along_axis`'s time."""
+    rows = np.arange(index[..., 0].size)[:, None]
+    taken = values.reshape(rows.size, -1)[rows, index.reshape(rows.size, -1)]
+    return taken.reshape(index.shape)
 
 
 def _flat(plan: Array) -> Array:
