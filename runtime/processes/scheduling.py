@@ -56,30 +56,30 @@ def _realtime_threads() -> Iterator[int]:
 class Overload:
     """Whether this process has used a core for seconds on end; to be asked about once a second.
 
-    Time that its threads wait for a core counts too, so it also shows where many do so at once.
+    All its threads together have left no pause, or one has always been on a core or waited for one,
+    as where many share them. That each waits in turn is none: a plant's do at 1 kHz on slow cores.
     """
 
     def __init__(self, now: float) -> None:
-        self._used, self._looked = _core_time(), now
-        self._since = now
+        self._used = _core_times()
+        self._looked = self._since = now
 
     def look(self, now: float) -> bool:
         """Return whether it has left no pause for some seconds until `now` [s]."""
-        used = _core_time()
-        if used - self._used < (1 - _PAUSE) * (now - self._looked):
+        before, self._used = self._used, _core_times()
+        busy = max(used - before.get(thread, 0.0) for thread, used in self._used.items())
+        if busy < (1 - _PAUSE) * (now - self._looked):
             self._since = now
-        self._used, self._looked = used, now
+        self._looked = now
         return now - self._since >= _LONG
 
 
-def _core_time() -> float:
-    """Return how long threads of this process have been on a core or waited for one [s]."""
-    total = 0
-    try:
+def _core_times() -> dict[str, float]:
+    """Return how long each thread was on a core or waited for one, and all were on one [s]."""
+    times = {"all": time.process_time()}
+    with suppress(OSError):
         for task in _TASKS.iterdir():
             with suppress(FileNotFoundError, ProcessLookupError):  # it has just ended
                 running, waiting, _ = (task / "schedstat").read_text().split()
-                total += int(running) + int(waiting)
-    except OSError:
-        return time.process_time()
-    return total * 1e-9 or time.process_time()
+                times[task.name] = (int(running) + int(waiting)) * 1e-9
+    return times

@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 from runtime.doctor.machine import check_machine
-from runtime.processes.scheduling import set_realtime
+from runtime.processes import scheduling
+from runtime.processes.scheduling import Overload, set_realtime
 from runtime.results.logs import read_log
 from tests.runtime.conftest import ProcessGroup, wait_for
 
@@ -137,6 +138,33 @@ while not overload.look(time.monotonic()) and time.monotonic() - began < 30:
 print(time.monotonic() - began < 30)
 """
     assert in_a_process(code) == "True"
+
+
+@pytest.mark.parametrize(("running", "waiting", "overloaded"), [
+    ((0.3, 0.2), (0.3, 0.4), False), ((0.3, 0.0), (0.65, 0.0), True),
+])  # fmt: skip
+def test_that_its_threads_wait_in_turn_is_no_overload(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    running: tuple[float, ...],
+    waiting: tuple[float, ...],
+    overloaded: bool,
+) -> None:
+    monkeypatch.setattr(scheduling, "_TASKS", tmp_path)
+
+    def used_until(t: float) -> None:
+        for thread, shares in enumerate(zip(running, waiting, strict=True)):
+            (tmp_path / f"{thread}").mkdir(exist_ok=True)
+            on_it, queued = (int(share * t * 1e9) for share in shares)
+            (tmp_path / f"{thread}" / "schedstat").write_text(f"{on_it} {queued} 1\n")
+
+    used_until(0.0)
+    overload = Overload(0.0)
+    found = []
+    for second in range(1, 6):
+        used_until(second)
+        found.append(overload.look(float(second)))
+    assert found[-1] == overloaded
 
 
 def test_who_only_asks_whether_it_is_granted_goes_on_as_before() -> None:
