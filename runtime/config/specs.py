@@ -106,10 +106,6 @@ def _home(scope: Scope) -> tuple[float, ...]:
     return tuple(np.clip(np.zeros(robot.n), robot.lower, robot.upper).tolist())
 
 
-def _origin(scope: Scope) -> tuple[float, float, float] | None:
-    return (0.0, 0.0, 0.0) if scope["description"].robot.drive else None
-
-
 @dataclass(frozen=True, kw_only=True)
 class Start:
     """The initial state of the robot.
@@ -120,7 +116,9 @@ class Start:
     """
 
     joints: Annotated[tuple[Position, ...], Derived(_home)]
-    platform: Annotated[tuple[Metres, Metres, Radians] | None, Derived(_origin)]
+    platform: Annotated[tuple[Metres, Metres, Radians] | None, Derived(
+        lambda scope: (0.0, 0.0, 0.0) if scope["description"].robot.drive else None
+    )]  # fmt: skip
 
     @property
     def base(self) -> tuple[float, float, float]:

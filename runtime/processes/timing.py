@@ -49,8 +49,6 @@ def apart(number: int) -> float:
 class Cadence:
     """Says when an agent is to decide anew, if it receives states more often than that.
 
-    Agents decide at phases of their own in an interval of plant time, and so not all at once.
-
     Args:
         rest: Length of an interval [s]; 0 for a decision on every state.
         phase: Where in an interval plant time begins, 0 to 1.
@@ -71,8 +69,8 @@ class Cadence:
 class Backlog:
     """Finds, by their timestamps, states that a newer one has overtaken.
 
-    If a state has waited, and is several periods older than the fastest were on arrival, that many
-    others wait behind it. If each were answered, one delay would make many answers late.
+    If one has waited, and is several periods older than the fastest were on arrival, that many
+    others wait behind it, and one delay would make many answers late.
 
     Args:
         period: Time between two states [s, plant time].

@@ -83,14 +83,11 @@ class Roster:
     def _entry(self, role: str, incarnation: int, now: float) -> _Entry:
         if incarnation not in self._entries:
             if len(self._entries) >= _KEPT:
-                del self._entries[min(self._entries, key=self._worth)]
+                entries = self._entries.items()  # never announced, gone, or silent for longest
+                worth = ((e.announced, e.went is None, e.reported, by) for by, e in entries)
+                del self._entries[min(worth)[-1]]
             self._entries[incarnation] = _Entry(role, now, now)
         return self._entries[incarnation]
-
-    def _worth(self, by: int) -> tuple[bool, bool, float]:
-        """Return what is least for those never announced, gone, or silent for longest."""
-        entry = self._entries[by]
-        return (entry.announced, entry.went is None, entry.reported)
 
     def rows(self) -> list[Row]:
         """Return all processes alive now, and of each role without one the last.

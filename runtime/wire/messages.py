@@ -6,6 +6,7 @@ A message that `unpack` returns is sound: the right types and lengths, finite, w
 
 import math
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from operator import methodcaller
 from typing import Annotated, Any, Literal, NamedTuple, TypeVar
 
@@ -212,6 +213,11 @@ def check_printable(*texts: str) -> None:
     for text in texts:
         if not text.isprintable():
             raise MessageError(Reason.WRONG_TYPE, f"wanted a printable text, got {text[:100]!r}")
+
+
+for _kind in Message.__subclasses__():  # the first look of msgspec at a kind of message is for
+    with suppress(ValidationError):  # one thread only: a second one would crash the process
+        convert({}, _kind)
 
 
 def pack(message: Message) -> bytes:

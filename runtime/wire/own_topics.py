@@ -7,6 +7,7 @@ travels as `nil`.
 
 import dataclasses
 import math
+from contextlib import suppress
 from typing import Annotated, Any, ClassVar, Self, cast, get_args, get_origin, get_type_hints
 
 import msgspec
@@ -82,6 +83,8 @@ def message_of(reading: type, key: str = "") -> type[ReadingMessage]:
         frozen=True,
         gc=False,
     )
+    with suppress(msgspec.ValidationError):  # as in `messages`
+        msgspec.convert({}, message)
     return cast(type[ReadingMessage], message)
 
 

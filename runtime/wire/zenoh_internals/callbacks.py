@@ -73,9 +73,7 @@ class TimeBudget:
     """Whether reactions are short enough for the receiving thread, by the time they took lately.
 
     A leaky bucket: what each reaction takes beyond `_SHORT` goes in, a small share of the time that
-    passes leaks out. Once it is over, reactions are made elsewhere until the bucket is empty. So an
-    agent that is slow now and then does not come back in between, and a process that was held up
-    once does.
+    passes leaks out. Once it is over, reactions are made elsewhere until the bucket is empty.
     """
 
     def __init__(self, now: float) -> None:
