@@ -149,7 +149,9 @@ class LogWriter:
         full = self.path.with_suffix(f".{max(parts, default=0) + 1}.jsonl")
         self.path.rename(full)
         self._reopen()
-        for old in [*parts.values(), full][: 1 - _PARTS]:
+        older = [*parts.values(), full]
+        while older[1:] and sum(part.stat().st_size for part in older) > (_PARTS - 1) * self._most:
+            old = older.pop(0)
             with old.open("rb") as whole, rest.open("ab") as kept:
                 kept.writelines(line for line in whole if TICK not in line)
                 why = f"it would take more than {self._most * _PARTS / 1e6:g} MB"

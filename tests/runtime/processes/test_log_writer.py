@@ -108,6 +108,16 @@ def test_a_log_takes_no_more_than_its_limit_and_keeps_the_newest(tmp_path: Path)
     assert len(kept) > 100
 
 
+def test_a_log_that_is_written_in_large_pieces_takes_no_more(tmp_path: Path) -> None:
+    log = LogWriter(tmp_path, "plant", SMALL)
+    for t in range(600):
+        log.line(tick(t))
+        if t % 100 == 99:
+            assert log.flush(30.0)
+    log.close()
+    assert sum(file.stat().st_size for file in tmp_path.iterdir()) < 1.1 * SMALL * 1e6
+
+
 def test_events_outlive_the_motion_that_is_dropped(tmp_path: Path) -> None:
     log = LogWriter(tmp_path, "plant", SMALL)
     for t in range(2000):
@@ -122,7 +132,7 @@ def test_events_outlive_the_motion_that_is_dropped(tmp_path: Path) -> None:
 
 def test_a_revived_process_goes_on_with_the_numbers_of_the_files(tmp_path: Path) -> None:
     for life in range(4):
-        log = LogWriter(tmp_path, "plant", SMALL)
+        log = LogWriter(tmp_path, "plant", 2 * SMALL)
         for t in range(100):
             log.line(tick(100 * life + t))
         log.close()

@@ -99,7 +99,7 @@ def by_ssh(robot: Robot, *options: str, arm: str = "") -> "subprocess.Popen[str]
 def test_all_hosts_are_started_from_one_terminal_and_their_logs_brought_back(
     robot: Robot,
 ) -> None:
-    launcher = by_ssh(robot, "--duration", "6s", "--speed", "3", "--kill", "joint/2@3")
+    launcher = by_ssh(robot, "--duration", "30s", "--speed", "3", "--kill", "joint/2@3")
     out, err = launcher.communicate(timeout=RUN_DEADLINE)
     assert launcher.returncode == 0, out + err
     assert "joint/2 was killed by SIGKILL" in out
