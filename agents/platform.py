@@ -5,7 +5,10 @@ from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from agents.agent import REST, Agent, AgentError, Array, Body, Percepts
+from agents.agent import REST, Agent, AgentError, Array, Body, Goal, Percepts
+from agents.laws import LEVER, reach_of
+from agents.markers import Off, aim_at, cost, turn_against
+from agents.number import MANY
 from agents.sight import Perception, Sight, View
 from agents.steering import FORWARD, SMALL, TRIFLE, Course, Places, Planner
 from plant.kinematics import ArmPose, Kinematics
@@ -42,9 +45,14 @@ as d, so that comfort asks for no more than a small error."""
 COMFORT = 0.25
 """[L] Distance from a comfortable reach at which comfort asks for EASE. Chosen: it is the
 most where an arm with its comfortable reach at 0.67 L is nearly straight."""
+CONTENT = 0.0005
+"""[L] Error, as of the markers, from which on no comfort is sought. Chosen: four times as much
+takes hands to the edge of what arms reach, and off it: 114 of 160 poses of ARPH stay, not 131."""
 LEAST = 0.25
 """[] Smallest share of its speeds that a drive is assumed to make. Chosen: it bounds the
 commands to a drive that hardly moves."""
+
+ORIGIN = 0.0, 0.0, 0.0
 
 
 class Memory(NamedTuple):
@@ -132,6 +140,7 @@ class PlatformAgent(Agent):
         self.rest = REST * float(self._planner.length[0])
         self._stops = np.stack([body.robot.lower, body.robot.upper])
         self._reach, self._bearing = reach * self._length, bearing
+        self._lever2 = (LEVER * reach_of(body)) ** 2
         self._memory: Memory | None = None
         self._own: Own | None = None
 
@@ -243,7 +252,8 @@ class PlatformAgent(Agent):
         sums = (off < 2 * SMALL * self._length) & (old.left < trifle)
         more = elapsed / self._unit * missing * np.conj(turn)
         lasting = old.lasting + np.where(sums, more, -share * old.lasting)
-        content = np.clip(1 - off / trifle, 0.0, 1.0)
+        whole = self._whole(view, goal, t, aim - hand)
+        content = np.clip(1 - whole / (CONTENT * self._length), 0.0, 1.0)
         ease = old.ease + share * (content * self._comfort(held, hand[..., 2]) - old.ease)
         wanted = goal_then + (lasting * turn + ease)[..., None]
         now = np.clip(own.speed, FORWARD, 1.0)
@@ -262,6 +272,14 @@ class PlatformAgent(Agent):
         share = self._share(elapsed)
         once = np.where(round_way, old[0] + share * (bent / elapsed - old[0]), 0.0)
         return once, np.where(round_way, old[1] + share * (once - old[1]), 0.0)
+
+    def _whole(self, view: View, goal: Goal, t: float, missing: Array) -> Array:
+        """Return all that is missing (...) [m], of place (..., 3) [m] and turn: see `markers`."""
+        aim, hand = aim_at(MANY, goal, t), view.turn
+        turn = None if aim.turn is None or hand is None else turn_against(MANY, hand, aim)
+        tip = missing[..., 0], missing[..., 1], missing[..., 2]
+        whole: Array = np.sqrt(cost(Off(tip, turn), ORIGIN, self._lever2))
+        return whole
 
     def _comfort(self, held: Places, height: Array) -> Places:
         """Return by what (...) [m] to carry the hand past its goal: the arm then gives way.

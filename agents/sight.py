@@ -6,7 +6,8 @@ import numpy as np
 import numpy.typing as npt
 
 from agents.agent import Array, Body, Percepts
-from agents.number import Number, Vector, components, namespace_of
+from agents.markers import Quaternion, turn_of
+from agents.number import MANY, Number, Vector, components, namespace_of
 from plant.kinematics import ArmPose, kinematics_of
 
 Perception = Literal["auto", "blackboard", "localiser"]
@@ -30,6 +31,16 @@ class View(NamedTuple):
     def certain(self) -> bool:
         """Whether the model is to be believed everywhere."""
         return self.modelled if isinstance(self.modelled, bool) else bool(self.modelled.all())
+
+    @property
+    def turn(self) -> Quaternion | None:
+        """How the hand is turned, w, x, y, z (...); None where nobody sees it."""
+        if self.arm is not None and self.modelled is not False:
+            return turn_of(MANY, self.arm)
+        if self.orientation is None:
+            return None
+        x, y, z, w = np.moveaxis(self.orientation, -1, 0)
+        return w, x, y, z
 
     @property
     def hand(self) -> Array:

@@ -5,7 +5,7 @@ import pytest
 
 from agents.agent import AgentError, Joints
 from agents.platform import PlatformAgent, lifted
-from plant.kinematics import kinematics_of
+from plant.kinematics import kinematics_of, quaternion
 from plant.urdf import load
 from tests.agents.conftest import START
 
@@ -67,6 +67,23 @@ def test_a_percept_beyond_all_reason_is_not_remembered(body, percepts, what, far
         said.append(agent.decide(percepts(t=0.08 * number, **{what: np.full(3, far)})))
     said += [agent.decide(percepts(t=0.4 + 0.08 * number)) for number in range(1, 6)]
     assert np.isfinite(said[-1]).all()
+
+
+@pytest.mark.parametrize(("off", "moves"), [(0.0, True), (np.deg2rad(5), False)])
+@pytest.mark.parametrize("perception", ["blackboard", "localiser"])
+def test_it_seeks_comfort_only_while_the_hand_is_turned_as_it_should_be(
+    arph, body, percepts, perception, off, moves
+):
+    turn = quaternion(kinematics_of(arph).forward(START, np.zeros(3)).rotation)
+    agent = PlatformAgent(body(None), perception=perception, bearing=np.deg2rad(60))
+    goal = percepts().goal
+    x, y, z, w = turn
+    c, s = np.cos(off / 2), np.sin(off / 2)  # a turn about the world's z
+    asked = np.array([c * x - s * y, c * y + s * x, c * z + s * w, c * w - s * z])
+    goal = goal._replace(orientation=asked)
+    for tick in range(40):
+        said = agent.decide(percepts(t=tick * 0.06, goal=goal, orientation=turn))
+    assert (np.abs(said).max() > 1e-3) == moves
 
 
 def test_a_batch_of_robots_is_decided_for_at_once(body, percepts):
