@@ -1,3 +1,4 @@
+import os
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,7 @@ from studies.mobile_live import Case, _options, evaluate, map_cells, paper_cases
 def test_real_processes_start_where_a_case_says_and_follow_the_goal() -> None:
     case = Case("turned", posture(joint_1=10.0), None, 0.0)
     options = [*_options(case), "--duration", "4 s", "--set", "goal.duration=24 s"]
-    record = launch(ROOT / "deploy" / "arph.yaml", "teststudy", options)
+    record = launch(ROOT / "deploy" / "arph.yaml", f"test-{os.getpid()}-study", options)
     assert np.degrees(record.q[0, 0]) == pytest.approx(10.0, abs=3.0)
     assert evaluate(record.t, record.hand, 0.0).final < 0.02
 
