@@ -20,11 +20,13 @@ from typing import NamedTuple
 import numpy as np
 
 from agents.agent import Array, Body, Goal, Percepts
-from agents.laws import GAP, LEVER, Law, reach_of
+from agents.laws import GAP, Law
 from agents.markers import (
+    LEVER,
     Quaternion,
     aim_at,
     product,
+    reach_of,
     rotation_vector,
     turn_against,
     turn_of,

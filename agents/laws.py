@@ -10,21 +10,23 @@ import numpy as np
 from agents.agent import Array, Body, Goal, Percepts
 from agents.kick import Kick, Kicks
 from agents.markers import (
+    LEVER,
     Off,
     after_step,
     aim_at,
     cost,
     moved_by,
     place_at,
-    turned_against,
+    reach_of,
+    turn_against,
+    turn_of,
+    turned_by,
 )
 from agents.number import Namespace, Number, Vector, components, namespace_of
 from agents.others import TRUST, Seen, first_seen, left_by_others, links_of
 from agents.sight import View
 from agents.stops import Stops
 
-LEVER = 0.12
-"""[reaches] sqrt(k): 0.08 to 0.16 do as well, 0.04 and 0.3 lose 5 to 7 of 100 (seeds 0 to 9)."""
 FADES = 2.5
 """[horizons] in which a motion fades towards a goal that stands still: the arm of many joints goes
 on for long where none of it serves, and is late where it is to be elsewhere."""
@@ -143,7 +145,8 @@ class LineByModel(Law):
         steps = [there - here for there, here in zip(places, q, strict=True)]
         goes, turns = moved_by(arm, self._slides, steps, base, self._carried(xp, base, last, t))
         aim = aim_at(xp, goal, t, horizon)
-        off = Off(arm.tip_parts, turned_against(xp, arm, aim, turns))
+        hand = None if aim.turn is None else turn_of(xp, arm)
+        off = Off(arm.tip_parts, hand and turn_against(xp, turned_by(xp, turns, hand), aim))
         (gx, gy, gz), (vx, vy, vz) = aim.place, goes
         step, changes = left_by_others(
             xp, self._links, index, arm, off, (gx - vx, gy - vy, gz - vz), self._lever2, horizon,
@@ -153,7 +156,7 @@ class LineByModel(Law):
             step = self._stops.turn(xp, t, q[index], step)
         kick = None
         if not moves:
-            off = Off(arm.tip_parts, turned_against(xp, arm, aim))
+            off = Off(arm.tip_parts, hand and turn_against(xp, hand, aim))
             missing = xp.sqrt(cost(off, aim.place, self._lever2))
             kick = self._kicks.watched(xp, last.kick, _standing(goal), t, missing)
         if kick is not None:
@@ -191,12 +194,6 @@ def _standing(goal: Goal) -> bytes:
     """Return which goal that stands still it is."""
     turned = b"" if goal.orientation is None else goal.orientation.tobytes()
     return goal.position.tobytes() + turned
-
-
-def reach_of(body: Body) -> float:
-    """Return the length of the arm's links, from its first joint to the tip [m]."""
-    places = [*(joint.origin for joint in body.robot.joints[1:]), body.robot.tip]
-    return float(sum(np.linalg.norm(place[:3, 3]) for place in places))
 
 
 class StepByModel(Law):

@@ -6,8 +6,7 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from agents.agent import REST, Agent, AgentError, Array, Body, Goal, Percepts
-from agents.laws import LEVER, reach_of
-from agents.markers import Off, aim_at, cost, turn_against
+from agents.markers import LEVER, Off, aim_at, cost, reach_of, turn_against
 from agents.number import MANY
 from agents.sight import Perception, Sight, View
 from agents.steering import FORWARD, SMALL, TRIFLE, Course, Places, Planner
@@ -180,19 +179,14 @@ class PlatformAgent(Agent):
             return Own(t, base, none, none, np.zeros((2, *none.shape)))
         if not t > old.t:
             return old
-        speed = base - old.base
-        turn = speed[..., 2]
-        turn = turn - 2 * np.pi * np.round(turn / (2 * np.pi))
+        way, speed, seen = base - old.base, np.empty_like(old.told), np.empty_like(old.able)
+        turn = way[..., 2] - 2 * np.pi * np.round(way[..., 2] / (2 * np.pi))
         heading = old.base[..., 2] + 0.5 * turn
-        ahead = speed[..., 0] * np.cos(heading) + speed[..., 1] * np.sin(heading)
-        speed = speed[..., :2]
-        speed[..., 0], speed[..., 1] = ahead, turn
+        speed[..., 0] = way[..., 0] * np.cos(heading) + way[..., 1] * np.sin(heading)
+        speed[..., 1] = turn
         speed /= (t - old.t) * self._top
-        share, able = self._share(t - old.t), np.empty_like(old.able)
-        np.multiply(old.told, speed, out=able[0])
-        np.square(old.told, out=able[1])
-        able = old.able + share * (able - old.able)
-        return Own(t, base, old.told, speed, able)
+        seen[0], seen[1] = old.told * speed, old.told**2
+        return Own(t, base, old.told, speed, old.able + self._share(t - old.t) * (seen - old.able))
 
     def _share(self, elapsed: float, memory: float = FADES) -> float:
         return 1.0 - exp(-elapsed / (memory * self._unit))
@@ -275,8 +269,9 @@ class PlatformAgent(Agent):
 
     def _whole(self, view: View, goal: Goal, t: float, missing: Array) -> Array:
         """Return all that is missing (...) [m], of place (..., 3) [m] and turn: see `markers`."""
-        aim, hand = aim_at(MANY, goal, t), view.turn
-        turn = None if aim.turn is None or hand is None else turn_against(MANY, hand, aim)
+        aim = aim_at(MANY, goal, t)
+        hand = None if aim.turn is None else view.turn
+        turn = hand and turn_against(MANY, hand, aim)
         tip = missing[..., 0], missing[..., 1], missing[..., 2]
         whole: Array = np.sqrt(cost(Off(tip, turn), ORIGIN, self._lever2))
         return whole

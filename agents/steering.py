@@ -44,7 +44,7 @@ END = 0.6
 """[L / v_max] How long the error at the plan's end is taken to last. Chosen: 2 s with ARPH; three
 times as long makes no difference."""
 TRIFLE = 0.002
-"""[L] Error that counts as none, for comfort and for detours. Chosen: a fifth of d."""
+"""[L] Error that counts as none, for what adds up and for detours. Chosen: a fifth of d."""
 MOVES = 0.01
 """[L] Error as bad as turning at the top speed, or as changing to it within L / v_max. Trade-off:
 more is smoother; 0.03 is sluggish after a push."""

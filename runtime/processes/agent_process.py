@@ -22,7 +22,8 @@ from runtime.wire.topics import Topic
 _PAUSE = 0.1  # of a period, without which a state has waited for the agent
 _AT_ONCE = 16  # messages of one kind that are looked at before a decision, however many wait
 _GOALS = 8
-_NEWEST = 2  # of a kind that is of use to a decision only, so that a stray one hides no sound one
+_NEWEST = 2  # of a kind that is of use to a decision only, so that a stray one hides no sound one:
+# to read all that came since the last decision would at 1 kHz take longer than to decide
 _BLINK = 0.02  # [s] at least between two looks for a hand while no joint states come
 
 

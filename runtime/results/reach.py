@@ -7,8 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from agents.agent import Array, Body
-from agents.laws import LEVER, reach_of
-from agents.markers import Aim, Off, angle_off, best_step, cost, turned_against
+from agents.markers import LEVER, Aim, Off, angle_off, best_step, cost, reach_of, turned_against
 from agents.number import MANY, ONE
 from plant.kinematics import Kinematics, quaternion
 from plant.robot import Robot

@@ -25,8 +25,7 @@ import numpy as np
 
 from agents.agent import Array, Body, Percepts
 from agents.kick import Kick, Kicks
-from agents.laws import LEVER, reach_of
-from agents.markers import Aim, Off, aim_at, cost, rotation_vector, turned_against
+from agents.markers import LEVER, Aim, Off, aim_at, cost, reach_of, rotation_vector, turned_against
 from agents.others import links_of
 from plant.kinematics import ArmPose, kinematics_of
 from plant.plant import Commands

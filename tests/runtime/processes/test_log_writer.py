@@ -94,13 +94,18 @@ def tick(t: int) -> str:
     return json.dumps({"wall": float(t), "t": float(t), "event": "tick", "hand": [0.1] * 50})
 
 
-def test_a_log_takes_no_more_than_its_limit_and_keeps_the_newest(tmp_path: Path) -> None:
-    log = LogWriter(tmp_path, "plant", SMALL)
-    for t in range(2000):
+def write_ticks(folder: Path, ticks: int, at_once: int) -> None:
+    """Write a small log, so many ticks in a piece."""
+    log = LogWriter(folder, "plant", SMALL)
+    for t in range(ticks):
         log.line(tick(t))
-        if t % 20 == 0:
+        if t % at_once == at_once - 1:
             assert log.flush(30.0)
     log.close()
+
+
+def test_a_log_takes_no_more_than_its_limit_and_keeps_the_newest(tmp_path: Path) -> None:
+    write_ticks(tmp_path, 2000, 20)
     files = list(tmp_path.iterdir())
     assert sum(file.stat().st_size for file in files) < 1.3 * SMALL * 1e6
     kept = [line["t"] for line in log_lines(tmp_path, "plant", "tick")]
@@ -109,12 +114,7 @@ def test_a_log_takes_no_more_than_its_limit_and_keeps_the_newest(tmp_path: Path)
 
 
 def test_a_log_that_is_written_in_large_pieces_takes_no_more(tmp_path: Path) -> None:
-    log = LogWriter(tmp_path, "plant", SMALL)
-    for t in range(600):
-        log.line(tick(t))
-        if t % 100 == 99:
-            assert log.flush(30.0)
-    log.close()
+    write_ticks(tmp_path, 600, 100)
     assert sum(file.stat().st_size for file in tmp_path.iterdir()) < 1.1 * SMALL * 1e6
 
 
