@@ -34,12 +34,17 @@ class View(NamedTuple):
 
     @property
     def turn(self) -> Quaternion | None:
-        """How the hand is turned, w, x, y, z (...); None where nobody sees it."""
-        if self.arm is not None and self.modelled is not False:
-            return turn_of(MANY, self.arm)
-        if self.orientation is None:
-            return None
-        x, y, z, w = np.moveaxis(self.orientation, -1, 0)
+        """How the hand is turned, as is to be believed: w, x, y, z (...); None if unseen."""
+        seen = None
+        if self.orientation is not None:
+            x, y, z, w = np.moveaxis(self.orientation, -1, 0)
+            seen = w, x, y, z
+        if self.arm is None or self.modelled is False:
+            return seen
+        by_model = turn_of(MANY, self.arm)
+        if seen is None or self.modelled is True:
+            return by_model
+        w, x, y, z = (np.where(self.modelled, *two) for two in zip(by_model, seen, strict=True))
         return w, x, y, z
 
     @property

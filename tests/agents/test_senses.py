@@ -7,6 +7,8 @@ from agents.agent import Body, Joints
 from agents.joint import HoldAgent, JointAgent
 from agents.laws import FADES
 from agents.platform import PlatformAgent
+from agents.sight import View
+from plant.kinematics import kinematics_of
 from plant.urdf import load
 from tests.agents.conftest import START
 
@@ -55,3 +57,13 @@ def test_how_often_it_decides_does_not_change_how_it_lets_go(body, percepts, tic
         speed = float(agent.decide(percepts(t=tick * period, joints=joints)))
     elapsed = period + tick * period
     assert speed == pytest.approx(0.1 * np.exp(-elapsed / (FADES * 0.12)), rel=0.05)
+
+
+def test_of_many_hands_each_is_turned_as_is_to_be_believed_of_it(arph):
+    arm = kinematics_of(arph).forward(np.tile(START, (2, 1)), np.zeros((2, 3)))
+    eye = np.tile([0.0, 0.0, 0.6, 0.8], (2, 1))
+    believed = np.array([True, False])
+    model, seen = View(arm, arm.tip, True, eye).turn, View(arm, arm.tip, False, eye).turn
+    turn = View(arm, arm.tip, believed, eye).turn
+    np.testing.assert_array_equal(turn, np.where(believed, model, seen))
+    assert not np.allclose(model, seen)
