@@ -266,7 +266,10 @@ def make_processes(tmp_path: Path) -> Iterator[Callable[[], ProcessGroup]]:
             stack.enter_context(reservation)
             folder = tmp_path / str(port)
             folder.mkdir()
-            return ProcessGroup(folder, f"test-{os.getpid()}-{port}", port, stack)
+            robot = f"test-{os.getpid()}-{port}"
+            while port_base(robot) == port:  # which it would leave for others if they are taken
+                robot += "x"
+            return ProcessGroup(folder, robot, port, stack)
 
         yield make
 
