@@ -6,11 +6,12 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from agents.agent import REST, Agent, AgentError, Array, Body, Goal, Percepts
-from agents.markers import LEVER, Off, aim_at, cost, reach_of, turn_against
+from agents.lifting import lifted
+from agents.markers import LEVER, Off, Quaternion, aim_at, cost, reach_of, turn_against
 from agents.number import MANY
 from agents.sight import Perception, Sight, View
 from agents.steering import FORWARD, SMALL, TRIFLE, Course, Places, Planner
-from plant.kinematics import ArmPose, Kinematics
+from plant.kinematics import Kinematics
 from plant.robot import Drive
 
 PLANS = 0.02
@@ -25,13 +26,6 @@ the drive's strength is learned and comfort is sought. Chosen: 1.3 s with ARPH, 
 an arm takes to settle."""
 STILL = 0.003
 """[top speed] Motion that counts as none. Chosen: below 1 mm/s and 0.2 deg/s with ARPH."""
-ALONE = 8.0
-"""[] Power of the share of the hand's level motion that follows from its rise. Chosen: a high
-power is a soft threshold near 1, below which the motion is the arm's own; 4 makes no difference."""
-TOP = 0.9
-"""[] Share of the height of a joint's circle, above which the hand is expected to go on along the
-tangent. Trade-off: nearer to the top the hand's foreseen way bends sharply, and plans change with
-how far ahead that is."""
 CORNER = 0.2
 """[rad] Change of the goal's course between two plans that is a corner, not a bend. Derived: a
 bend of that rate would turn by half a turn a second."""
@@ -246,13 +240,14 @@ class PlatformAgent(Agent):
         sums = (off < 2 * SMALL * self._length) & (old.left < trifle)
         more = elapsed / self._unit * missing * np.conj(turn)
         lasting = old.lasting + np.where(sums, more, -share * old.lasting)
-        whole = self._whole(view, goal, t, aim - hand)
+        whole, turned = self._turned(view, goal, t, aim - hand)
         content = np.clip(1 - whole / (CONTENT * self._length), 0.0, 1.0)
         ease = old.ease + share * (content * self._comfort(held, hand[..., 2]) - old.ease)
         wanted = goal_then + (lasting * turn + ease)[..., None]
         now = np.clip(own.speed, FORWARD, 1.0)
         before = None if old.plan is None else self._planner.later(old.plan, elapsed)
-        plan, missed = self._planner.plan(Course(wanted, hand_then, now, able), before)
+        course = Course(wanted, hand_then, now, able, turned)
+        plan, missed = self._planner.plan(course, before)
         left = missed[..., self._planner.end >= fades].max(axis=-1)
         return Memory(t, hand, going, bends, moved, lasting, ease, plan, now, left)
 
@@ -267,14 +262,34 @@ class PlatformAgent(Agent):
         once = np.where(round_way, old[0] + share * (bent / elapsed - old[0]), 0.0)
         return once, np.where(round_way, old[1] + share * (once - old[1]), 0.0)
 
-    def _whole(self, view: View, goal: Goal, t: float, missing: Array) -> Array:
-        """Return all that is missing (...) [m], of place (..., 3) [m] and turn: see `markers`."""
+    def _turned(
+        self, view: View, goal: Goal, t: float, missing: Array
+    ) -> tuple[Array, Places | None]:
+        """Return all that is missing (...) [m], see `markers`, and `Course.turn`.
+
+        The platform turns the hand about the upright only: by an angle a, the cost of its turn
+        becomes that of the best angle and k |U| |e^ia U / |U| - 1|^2, with U = 2 (w + i z)^2 for a
+        rotation (w, x, y, z) against the goal. Where the hand may roll, only its approach axis u
+        and the goal's v count, and U = 2 (u_x + i u_y) (v_x - i v_y).
+
+        Args:
+            view: The hand.
+            goal: Its goal; that this may turn is left to the arm.
+            t: Plant time [s].
+            missing: (..., 3) of its place [m].
+        """
         aim = aim_at(MANY, goal, t)
         hand = None if aim.turn is None else view.turn
         turn = hand and turn_against(MANY, hand, aim)
         tip = missing[..., 0], missing[..., 1], missing[..., 2]
         whole: Array = np.sqrt(cost(Off(tip, turn), ORIGIN, self._lever2))
-        return whole
+        if hand is None or turn is None or aim.turn is None:
+            return whole, None
+        upright = 2 * (turn[0] + 1j * turn[3]) ** 2
+        if aim.rolls:
+            upright = 2 * _approach(hand) * np.conj(_approach(aim.turn))
+        upright = upright / np.sqrt(np.maximum(np.abs(upright), SMALL))
+        return whole, np.sqrt(self._lever2) * upright[..., None]
 
     def _comfort(self, held: Places, height: Array) -> Places:
         """Return by what (...) [m] to carry the hand past its goal: the arm then gives way.
@@ -293,54 +308,11 @@ class PlatformAgent(Agent):
         return shift
 
 
-def lifted(
-    arm: ArmPose, moved: Array, height: Array, room: Array, still: float
-) -> tuple[Places, Places]:
-    """Return how far the hand goes on the level (..., M) [m] as it comes to heights (..., M) [m].
-
-    Each joint lifts the hand on its own circle, on the side where the hand is now, or on the
-    other if only that is within the joint's stops, `room` (..., 2, n) [rad] away; near the
-    circle's top the hand goes on along the tangent. The circles are averaged by how much of its
-    rise is whose, as the joints have moved of late (`moved` (..., n) [rad2/s2], `still` [m/s]).
-    This holds as far as the level motion follows from the rise, as it does where but one joint
-    moves. Second is the slope (...) [m/m] now.
-    """
-    axes, lever = (
-        np.moveaxis(arm.axes, -1, 0),
-        np.moveaxis(arm.tip[..., None, :] - arm.points, -1, 0),
-    )
-    way = _across(axes, lever)  # (3, ..., n) [m/rad]
-    level, rises = way[0] + 1j * way[1], way[2]
-    lifts = moved * rises**2
-    rise = lifts.sum(axis=-1) + still**2
-    together = (moved * rises * level).sum(axis=-1)
-    slides = (moved * np.abs(level) ** 2).sum(axis=-1)
-    follows = 1 - (slides - np.abs(together) ** 2 / rise) / (slides + rise)
-    follows = np.clip(follows, 0.0, 1.0) ** ALONE
-    inward = _across(way, axes)  # from the circle's centre to the hand
-    size = np.maximum(np.hypot(inward[2], rises), 1e-9)[..., None]
-    phase = np.arctan2(rises, inward[2])[..., None]
-    up = height[..., None, :] - (arm.tip[..., 2, None] - inward[2])[..., None]
-    up = up / size
-    most = np.clip(np.abs(inward[2])[..., None] / size, TOP, (1 + TOP) / 2)
-    within = np.clip(up, -most, most)
-    off = np.where(phase > 0, 1.0, -1.0) * np.arccos(within)
-    near, far = phase - off, np.angle(np.exp(1j * (phase + off)))
-    low, high = room[..., 0, :, None], room[..., 1, :, None]
-    other = (low <= far) & (far <= high) & ((near < low) | (near > high))
-    angle = np.where(other, far, near)
-    centre, begin = (inward[0] + 1j * inward[1])[..., None], level[..., None]
-    cosine, sine = np.cos(angle), np.sin(angle)
-    tangent = (begin * cosine - centre * sine) / np.sin(phase - angle)
-    shift = centre * (cosine - 1) + begin * sine + tangent * (up - within)
-    mean = ((lifts / rise[..., None])[..., None] * shift).sum(axis=-2)
-    return follows[..., None] * mean, follows * together / rise
-
-
-def _across(one: Array | tuple[Array, ...], other: Array) -> tuple[Array, Array, Array]:
-    """Return the components of the cross product of two vectors, faster than numpy for a few."""
-    (a, b, c), (x, y, z) = one, other
-    return b * z - c * y, c * x - a * z, a * y - b * x
+def _approach(turn: Quaternion) -> Places:
+    """Return the part on the level of the z direction of what is turned."""
+    w, x, y, z = turn
+    level: Places = 2 * (x + 1j * y) * (z - 1j * w)
+    return level
 
 
 def _flat(vector: Array) -> Places:

@@ -13,6 +13,8 @@ r_j = g_j - p_j - e^ia_j h_j at the end of interval j. The cost is
 so that small errors count by their square and large ones by a root: a detour, however wide, is
 better than an error for good. The term in q is for hands behind the axle (`Planner._tail`): a plan
 is to end with the heading psi with which such a hand, a ahead of the axle, stays over the goal.
+A hand that is to be turned in some way counts with all its markers: a turn of the platform by a
+turns them by a, so that |r_j|^2 in rho gains |e^ia_j z - |z||^2, with z as in `Course`.
 Lengths are shares of the arm's reach L, times of L / v_max.
 """
 
@@ -76,12 +78,15 @@ class Course(NamedTuple):
         hand: (..., M + BEYOND) where the arm holds the hand, as seen from the platform [m].
         now: (..., 2) present speeds, as shares of the tops.
         able: (..., 2) shares of the tops that the drive makes.
+        turn: (..., 1) z: its angle is by how much the hand is turned about the upright against
+            its goal, and a turn by c puts its markers off by |z| |e^ic - 1| [m]. None for any.
     """
 
     goal: Places
     hand: Places
     now: Array
     able: Array
+    turn: Places | None = None
 
 
 class Tail(NamedTuple):
@@ -201,7 +206,7 @@ class Planner:
         return Tail(ahead[..., None], heading[..., None], weight[..., None])
 
     def _moved(self, course: Course, plan: Array) -> tuple[Places, Places, Places, Places]:
-        """Return the last headings (..., C), and for each interval what is missing at its end.
+        """Return the headings at the end of each interval, and last what is missing then.
 
         Between them the headings and places in mid-interval, all (..., C, M).
         """
@@ -214,9 +219,9 @@ class Planner:
         half += 1e-300  # a chord is sin(half) / half of its arc
         way = speed[..., 0] * self._most_ahead * (np.sin(half) / half) * middle
         place = np.cumsum(way, axis=-1)
-        hand = place + np.exp(1j * angle) * course.hand[..., None, :INTERVALS]
-        last = np.exp(1j * angle[..., -1])
-        return last, middle, place - 0.5 * way, course.goal[..., None, :INTERVALS] - hand
+        heading = np.exp(1j * angle)
+        hand = place + heading * course.hand[..., None, :INTERVALS]
+        return heading, middle, place - 0.5 * way, course.goal[..., None, :INTERVALS] - hand
 
     def _rho(self, missing: Array) -> Array:
         size: Array = self._small**2 / POWER * ((1 + (missing / self._small) ** 2) ** POWER - 1)
@@ -224,9 +229,9 @@ class Planner:
 
     def _cost(self, course: Course, tail: Tail, plan: Array) -> tuple[Array, Array]:
         """Return the cost (..., C) [m2 s] of plans (..., C, M, 2), and their errors (..., C, M)."""
-        heading, _, _, missing = self._moved(course, plan)
-        far = np.abs(missing)
-        rho, last = self._rho(far), far[..., -1]
+        headings, _, _, missing = self._moved(course, plan)
+        far, heading = np.abs(missing), headings[..., -1]
+        rho, last = self._rho(_with_turn(course, headings, far)), far[..., -1]
         time, turns = self._to_go(course, heading, missing[..., -1])
         beside = self._rho(np.abs(_beside(tail, heading, missing)))
         swing = np.abs(course.hand[..., None, INTERVALS - 1]) * np.minimum(turns, np.pi) / 2
@@ -264,7 +269,8 @@ class Planner:
         The hand turns about where the platform is in mid-interval, so that
         dh_j / dv_k = T_k e^ia_k and dh_j / dw_k = i T_k (h_j - p_k) for k up to j.
         """
-        heading, middle, pivot, missing = self._moved(course, plan)
+        headings, middle, pivot, missing = self._moved(course, plan)
+        heading = headings[..., -1]
         hand = course.goal[..., None, :INTERVALS] - missing
         ahead = (self._until * (middle * self._most_ahead)[..., None, :]) @ self._mix
         around = 1j * (hand[..., :, None] - pivot[..., None, :]) * self._most_turn
@@ -278,7 +284,16 @@ class Planner:
         lasts = np.broadcast_to(tail.weight, heading.shape)[..., None]
         weight = np.concatenate([weight, lasts], axis=-1)
         missing = np.concatenate([missing, _beside(tail, heading, missing)[..., None]], axis=-1)
-        root = np.sqrt(weight * (1 + np.abs(missing / self._small) ** 2) ** (POWER - 1))
+        far = np.abs(missing)
+        far[..., :INTERVALS] = _with_turn(course, headings, far[..., :INTERVALS])
+        root = np.sqrt(weight * (1 + (far / self._small) ** 2) ** (POWER - 1))
+        if course.turn is not None:
+            turned = headings * course.turn[..., None]
+            spins = 1j * turned[..., None] * ((self._until * self._most_turn) @ self._mix)
+            spins = np.concatenate([np.zeros_like(spins), spins], axis=-1)
+            ways = np.concatenate([ways, spins], axis=-2)
+            missing = np.concatenate([missing, np.abs(turned) - turned], axis=-1)
+            root = np.concatenate([root, root[..., :INTERVALS]], axis=-1)
         slope = np.concatenate([ways.real, ways.imag], axis=-2) * np.tile(root, 2)[..., None]
         error = np.concatenate([missing.real * root, missing.imag * root], axis=-1)
         turned = np.swapaxes(slope, -1, -2)
@@ -293,8 +308,8 @@ class Planner:
         tried = at[..., None, :] + self._shares * step[..., None, :]
         tried = np.clip(tried, low[..., None, :], high[..., None, :])
         tried = np.swapaxes(tried.reshape(*tried.shape[:-1], 2, INTERVALS), -1, -2)
-        beside = tried.reshape(*tried.shape[:-4], -1, INTERVALS, 2)
-        costs, errors = self._cost(course, tail, beside)
+        each = tried.reshape(*tried.shape[:-4], -1, INTERVALS, 2)
+        costs, errors = self._cost(course, tail, each)
         costs = costs.reshape(tried.shape[:-2])
         best = costs.argmin(axis=-1)[..., None, None]
         plan = np.take_along_axis(tried, best[..., None], axis=-3)[..., 0, :, :]
@@ -315,6 +330,14 @@ class Planner:
         share = np.maximum(np.minimum(self.end, ends[..., None]) - begins, 0.0) / self.length
         first, second = (np.sign(turn)[..., None] for turn in turns)
         return np.stack([share[1], first * share[0] + second * share[2]], axis=-1)
+
+
+def _with_turn(course: Course, heading: Places, far: Array) -> Array:
+    """Return errors (..., C, M) [m] of place, with those of the turn at headings e^ia."""
+    if course.turn is None:
+        return far
+    turned = heading * course.turn[..., None]
+    return np.hypot(far, np.abs(turned - np.abs(turned)))
 
 
 def _beside(tail: Tail, heading: Places, missing: Places) -> Places:

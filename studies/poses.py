@@ -11,7 +11,7 @@ import numpy as np
 from agents.agent import Array
 from plant.robot import Robot, RobotError
 from studies.baselines.central import as_agents
-from studies.baselines.pose_ik import DampedLeastSquares, PoseController
+from studies.baselines.pose_ik import DampedLeastSquares, ForwardLeastSquares, PoseController
 from studies.cases.drawn import TUNING
 from studies.cases.posed import (
     AROUND,
@@ -148,8 +148,9 @@ class Poses(Study[PosesFound]):
         good, of = int(np.isfinite(since).sum()), len(since)
         met = bool(good >= task.bar * of)
         yield Row(f"{name}: MSMA", required, _said(since), met), f"{source.name}, MSMA", (good, of)
-        for side in sides(task):
-            progress.step(f"{name}, {side.name}")
+        drives = robot.drive is not None
+        for side in sides(task, drives):
+            progress.step(f"{name}, {side.name}", len(sides(task)) / len(sides(task, drives)))
             what = f"{name}: {side.name}"
             if side.make is None:
                 yield Row(what, "", f"left out: needs {', '.join(_missing())}"), what, None
@@ -212,7 +213,8 @@ class Poses(Study[PosesFound]):
             f"drives: in the goal's posture up to {AROUND:g} m away. In brackets the 95 % interval "
             "(Wilson).",
             "Damped least squares and pink are central: studies/baselines/pose_ik.py. Both make "
-            "the same random moves at goals that stand as MSMA's joints.",
+            "the same random moves at goals that stand as MSMA's joints. They drive ARPH backwards "
+            "too unless it says otherwise; MSMA's platform does not, as its sensors look ahead.",
             "Moving poses: those that damped least squares follows at 60 ms without a joint beyond "
             "a third of its top speed; errors count from 2 s on.",
             f"Chains are planar, 1 m long and given {CHAIN_DURATION:g} s at 60 ms; at a size below "
@@ -220,8 +222,11 @@ class Poses(Study[PosesFound]):
         )
 
 
-def sides(task: Task) -> tuple[Side, ...]:
-    """Return the controllers beside MSMA, told which joint is locked, if one is, and not told."""
+def sides(task: Task, drives: bool = False) -> tuple[Side, ...]:
+    """Return the controllers beside MSMA, told which joint is locked, if one is, and not told.
+
+    Beside a platform that `drives` there is one that goes forward only, as MSMA's does.
+    """
     pink: Callable[..., PoseController] | None = None
     if not _missing():
         from studies.baselines.pose_pink import Pink
@@ -231,6 +236,8 @@ def sides(task: Task) -> tuple[Side, ...]:
         "central damped least squares": DampedLeastSquares,
         "pink": pink,
     }
+    if drives:
+        makers["central damped least squares, forward only"] = ForwardLeastSquares
     if not task.locked:
         return tuple(Side(name, make, False) for name, make in makers.items())
     return tuple(

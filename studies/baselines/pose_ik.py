@@ -20,6 +20,7 @@ so K is between the first two. pink has the same K; its own damping was not sear
 """
 
 from abc import abstractmethod
+from typing import ClassVar
 
 import numpy as np
 
@@ -130,6 +131,9 @@ class DampedLeastSquares(PoseController):
     stop is left out, and s is worked out again; then s is scaled to at most 1.
     """
 
+    reverses: ClassVar[bool] = True
+    """Whether a platform may drive backwards."""
+
     def _velocity(
         self, q: Array, base: Array | None, arm: ArmPose, off: Off, aim: Aim, rests: Bools
     ) -> Array:
@@ -143,15 +147,18 @@ class DampedLeastSquares(PoseController):
         free = np.ones(columns.shape[:-1], dtype=bool)
         if self._locked is not None:
             free[..., :n] = ~self._locked
-        for _ in range(n):
+        for _ in range(n + 1):
             used = columns * free[..., None]
             square = np.swapaxes(used, -1, -2) @ used + self._damping * np.eye(k)
             s: Array = (used @ np.linalg.solve(square, error[..., None]))[..., 0]
             high, low = self._robot.upper - AT_STOP, self._robot.lower + AT_STOP
-            beyond = ((q > high) & (s[..., :n] > 0)) | ((q < low) & (s[..., :n] < 0))
+            beyond = np.zeros(free.shape, dtype=bool)
+            beyond[..., :n] = ((q > high) & (s[..., :n] > 0)) | ((q < low) & (s[..., :n] < 0))
+            if not self.reverses:
+                beyond[..., n] = s[..., n] < 0
             if not beyond.any():
                 break
-            free[..., :n] &= ~beyond
+            free &= ~beyond
         s /= np.maximum(np.abs(s).max(axis=-1, keepdims=True), 1.0)
         return s * self._top
 
@@ -170,6 +177,12 @@ class DampedLeastSquares(PoseController):
         driven[..., 1, 0], driven[..., 1, 1] = y - arm.tip[..., 1], arm.tip[..., 0] - x
         driven[..., 1, 5] = self._lever
         return np.concatenate([columns, driven], axis=-2)
+
+
+class ForwardLeastSquares(DampedLeastSquares):
+    """The same for a platform that, like MSMA's, only drives forward: else that is left out."""
+
+    reverses = False
 
 
 class RandomMoves:

@@ -3,9 +3,13 @@
 import numpy as np
 import pytest
 
-from agents.agent import AgentError, Joints
-from agents.platform import PlatformAgent, lifted
+from agents.agent import AgentError, Body, Goal, Joints, Percepts
+from agents.attitude import product, rotation_by
+from agents.lifting import lifted
+from agents.platform import PlatformAgent
+from plant.kinematic import KinematicPlant
 from plant.kinematics import kinematics_of, quaternion
+from plant.plant import Commands, Setup
 from plant.urdf import load
 from tests.agents.conftest import START
 
@@ -77,13 +81,48 @@ def test_it_seeks_comfort_only_while_the_hand_is_turned_as_it_should_be(
     turn = quaternion(kinematics_of(arph).forward(START, np.zeros(3)).rotation)
     agent = PlatformAgent(body(None), perception=perception, bearing=np.deg2rad(60))
     goal = percepts().goal
-    x, y, z, w = turn
-    c, s = np.cos(off / 2), np.sin(off / 2)  # a turn about the world's z
-    asked = np.array([c * x - s * y, c * y + s * x, c * z + s * w, c * w - s * z])
-    goal = goal._replace(orientation=asked)
+    tilted = product(rotation_by(np.array([off, 0.0, 0.0])), turn)  # no turning makes that good
+    goal = goal._replace(orientation=tilted)
     for tick in range(40):
         said = agent.decide(percepts(t=tick * 0.06, goal=goal, orientation=turn))
     assert (np.abs(said).max() > 1e-3) == moves
+
+
+@pytest.mark.parametrize("off", [-1.0, 0.3, 2.5])
+def test_it_alone_brings_a_hand_to_a_pose_that_it_can(arph, off):
+    start = np.array([0.0, 0.0, 0.0])
+    there = np.array([0.6 * np.cos(2 * off), 0.6 * np.sin(2 * off), off])
+    hand = kinematics_of(arph).forward(START, there)
+    goal = Goal(hand.tip, np.zeros(3), 0.0, 0.0, quaternion(hand.rotation))
+    base = driven(arph, START, start, goal)
+    assert np.hypot(*(base - there)[:2]) < 0.05  # detours for less are not worth it
+    assert abs(np.angle(np.exp(1j * (base - there)[2]))) < 0.05
+
+
+def test_where_a_hand_may_roll_it_comes_as_to_any_turn(arph):
+    q = np.array([0.0, 0.6, -1.2, 0.0, 0.6 - 1.2 + np.pi / 2, 0.0])  # z is nearly upright
+    hand = kinematics_of(arph).forward(q, np.zeros(3))
+    turned = product(rotation_by(np.array([0.0, 0.0, -1.0])), quaternion(hand.rotation))
+    goal = Goal(hand.tip + np.array([0.3, 0.4, 0.0]), np.zeros(3), 0.0, 0.0, turned)
+    rolls, free, not_free = (
+        driven(arph, q, np.zeros(3), goal._replace(free=what))[2]
+        for what in ("roll", "all", "nothing")
+    )
+    assert rolls == pytest.approx(free, abs=0.1)
+    assert not_free == pytest.approx(-1.0, abs=0.1)
+
+
+def driven(robot, q, start, goal):
+    """Where a platform comes to whose arm does not move."""
+    agent = PlatformAgent(Body(robot, None, 0.06, 1))
+    plant = KinematicPlant(Setup(robot, q, start, period=0.06))
+    for _ in range(300):
+        seen = plant.read()
+        joints = Joints(np.array(seen.q), np.zeros(robot.n))
+        said = agent.decide(Percepts(seen.t, joints=joints, base=np.array(seen.base), goal=goal))
+        plant.write(Commands(np.zeros(robot.n), said))
+        plant.step()
+    return np.array(plant.read().base)
 
 
 def test_a_batch_of_robots_is_decided_for_at_once(body, percepts):

@@ -60,7 +60,9 @@ def test_what_is_left_of_a_steady_plan_is_the_same():
 
 
 def test_many_are_planned_for_as_each_alone():
+    turns = np.array([0.1 + 0.1j]), np.array([-0.2j])
     some = [course(1.0 + 0j, 0.3j), course(-0.4j, 0.2 + 0j)]
+    some = [one._replace(turn=turn) for one, turn in zip(some, turns, strict=True)]
     together = Course(*(np.stack(parts) for parts in zip(*some, strict=True)))
     plans, _ = PLANNER.plan(together, None)
     for each, plan in zip(some, plans, strict=True):

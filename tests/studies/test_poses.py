@@ -11,7 +11,12 @@ from plant.plant import Commands, Setup
 from plant.urdf import load
 from studies import poses
 from studies.baselines.central import as_agents
-from studies.baselines.pose_ik import DampedLeastSquares, PoseController, ranges
+from studies.baselines.pose_ik import (
+    DampedLeastSquares,
+    ForwardLeastSquares,
+    PoseController,
+    ranges,
+)
 from studies.cases import posed as cases
 from studies.cases.posed import SOURCES, TASKS, Source, chain, follow, moving, posed, settled, team
 from studies.poses import Poses, sides
@@ -143,3 +148,18 @@ def test_damped_least_squares_leaves_a_joint_at_its_stop_alone() -> None:
     joints = np.asarray(DampedLeastSquares(robot, 0.02).commands(percepts).joints)
     assert joints[0, 0] == 0.0
     assert joints[0, 1:].any()
+
+
+def test_least_squares_that_only_go_forward_do_without_what_would_drive_backwards() -> None:
+    robot = load("arph")
+    q = np.deg2rad([[0.0, 60.0, -115.0, 0.0, 0.0, 0.0]])
+    behind = kinematics_of(robot).forward(q, np.zeros((1, 3))).tip - np.array([1.0, 0.1, 0.0])
+    goal = Goal(behind, np.zeros((1, 3)), 0.0, 0.0)
+    percepts = Percepts(0.0, joints=Joints(q, np.zeros_like(q)), goal=goal, base=np.zeros((1, 3)))
+    both, forward = (
+        np.asarray(kind(robot, 0.02).commands(percepts).base)
+        for kind in (DampedLeastSquares, ForwardLeastSquares)
+    )
+    assert both[0, 0] < 0.0
+    assert forward[0, 0] == 0.0
+    assert forward[0, 1] != 0.0
