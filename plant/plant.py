@@ -8,6 +8,7 @@ from typing import ClassVar, NamedTuple
 
 from plant.faults import Fault, FaultError
 from plant.robot import Robot, Row
+from plant.world import WorldObject
 
 
 class Sensor(NamedTuple):
@@ -94,6 +95,7 @@ class Setup:
         base: (..., 3) x, y [m] and heading [rad] to start from; None for zeros.
         period: Of the control loop [s].
         seed: Of all that is random in it.
+        world: What stands around the robot.
     """
 
     robot: Robot
@@ -101,6 +103,7 @@ class Setup:
     base: Row | None = None
     period: float = field(kw_only=True)
     seed: int | Sequence[int] = field(default=0, kw_only=True)
+    world: tuple[WorldObject, ...] = field(default=(), kw_only=True)
 
 
 class Plant(ABC):

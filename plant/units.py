@@ -6,7 +6,7 @@ from typing import Literal, NamedTuple
 
 from plant.errors import MsmaError
 
-Unit = Literal["s", "m", "rad", "rad or m", "m/s", "rad/s", "m/s2", "rad/s2", "Hz", "1"]
+Unit = Literal["s", "m", "rad", "rad or m", "m/s", "rad/s", "m/s2", "rad/s2", "Hz", "kg", "N", "1"]
 
 
 class UnitError(MsmaError, ValueError):
@@ -41,6 +41,8 @@ _KINDS: dict[Unit, _Kind] = {
     "m/s2": _Kind("an acceleration", "0.5 m/s2", _per(_LENGTHS, "s2")),
     "rad/s2": _Kind("an angular acceleration", "4 rad/s2", _per(_ANGLES, "s2")),
     "Hz": _Kind("a frequency", "16.7 Hz or 1 kHz", {"Hz": 1.0, "kHz": 1e3}),
+    "kg": _Kind("a mass", "300 g or 0.3 kg", {"kg": 1.0, "g": 1e-3}),
+    "N": _Kind("a force", "20 N", {"N": 1.0}),
     "1": _Kind("a plain number", "0.5 or 50 %", {"1": 1.0, "%": 1e-2}),
 }
 _SPELLINGS = {"²": "2", "^2": "2", "µ": "u", "μ": "u", "°": "deg"}

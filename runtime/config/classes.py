@@ -53,11 +53,9 @@ class ClassName(Generic[_T]):
             if self.is_loaded:
                 build()
         except Exception as error:  # a user's constructor may do anything
-            name, _, what = str(error).partition(": ")
-            if isinstance(error, ValueError) and name in node.children:
-                raise node.children[name].error(what) from error
-            kind = "" if isinstance(error, ValueError) else f"{type(error).__name__}: "
-            raise node.error(f"{kind}{error}") from error
+            if isinstance(error, ValueError):
+                raise node.blame(error) from error
+            raise node.error(f"{type(error).__name__}: {error}") from error
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ import yaml
 
 from agents.agent import Agent
 from plant.plant import Plant
+from plant.world import WorldObject
 from runtime.config.chaos import LAUNCHER, WATCHER, ChaosEvent, RandomChaos
 from runtime.config.hosts import HostSpec, NewHost, Router, here_alone
 from runtime.config.kinds import File, Quantity, Scope, Text, Whole
@@ -97,6 +98,7 @@ class Deployment:
         routers: Addresses and ports of your own Zenoh routers, which carry all traffic; one is
             enough, and if it fails the processes switch to another.
         start: The initial state of the robot.
+        world: What stands around the robot; by default nothing.
         plant: What executes the commands; by default a simulated robot.
         goal: The path of the goal; without it an operator publishes the goal.
         agents: The agents; each has a process of its own.
@@ -122,6 +124,7 @@ class Deployment:
     routers: tuple[Router, ...] = ()
     security: SecuritySpec | None = None
     start: Start
+    world: tuple[WorldObject, ...] = ()
     plant: PlantSpec
     goal: GoalSpec | None = None
     agents: Agents
@@ -216,7 +219,8 @@ class Deployment:
     def build_plant(self) -> Plant:
         """Make the plant, not connected to anything yet."""
         seed = (self.seed, self.slot(PLANT))
-        return self.plant.build(self.description.robot, self.start, self.period, seed)
+        robot = self.description.robot
+        return self.plant.build(robot, self.start, self.period, seed, self.world)
 
     def build_agent(self, role: str) -> Agent:
         """Make an agent; its random numbers follow from the seed and its slot."""
@@ -224,15 +228,15 @@ class Deployment:
         return self.agent(role).build(self.description.robot, self.period, seed)
 
     def check(self, node: YamlNode, scope: Scope) -> None:
-        """Refuse duplicate roles, more processes than ports, and chaos for unknown targets."""
+        """Refuse duplicate names, more processes than ports, and chaos for unknown targets."""
         first: dict[str, YamlNode] = {}
         for kind in ("agent", "node"):
             for index, spec in enumerate(getattr(self, f"{kind}s")):
-                here, file = node.find(f"{kind}s", index, "role"), file_name(spec.role)
-                if file in first:
-                    there = first[file].location
-                    raise here.error(f"duplicate {kind} {spec.role}, first given at {there}")
-                first[file] = here
+                here = node.find(f"{kind}s", index, "role")
+                _refuse_duplicate(kind, file_name(spec.role), here, first)
+        objects: dict[str, YamlNode] = {}
+        for index, each in enumerate(self.world):
+            _refuse_duplicate("object", each.name, node.find("world", index, "name"), objects)
         if len(self.roles) > FIRST_COPY:
             what = f"{len(self.roles)} processes with plant and goal; at most {FIRST_COPY}"
             raise node.find("nodes" if self.nodes else "agents").error(what)
@@ -266,6 +270,13 @@ class Deployment:
         plain = kind_of(Deployment).write(self)
         text: str = yaml.safe_dump(plain, sort_keys=False, default_flow_style=None, width=100)
         return text
+
+
+def _refuse_duplicate(kind: str, name: str, here: YamlNode, first: dict[str, YamlNode]) -> None:
+    """Raise the error of a name given `here` that `first` has already, or add it."""
+    if name in first:
+        raise here.error(f"duplicate {kind} {here.text}, first given at {first[name].location}")
+    first[name] = here
 
 
 def _nobody(role: str | None, valid: Iterable[str]) -> str:

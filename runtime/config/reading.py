@@ -114,7 +114,10 @@ class Structure(Kind):
         if one_of and len(given) != 1:
             what = f"exactly one of {', '.join(one_of)} is needed"
             raise node.error(f"{what}, got {' and '.join(given) or 'none'}")
-        value = self.type(**values)
+        try:
+            value = self.type(**values)
+        except ValueError as error:
+            raise node.blame(error) from error
         if hasattr(value, "check"):
             value.check(node, around)
         return value

@@ -15,6 +15,7 @@ from plant.packages import find as find_file
 from plant.plant import Plant, Setup
 from plant.robot import Drive, Robot
 from plant.units import written
+from plant.world import WorldObject
 from runtime.config.classes import ClassName, ClassOf
 from runtime.config.hosts import Home, Homes
 from runtime.config.kinds import Items, Kind, Quantity, Scope, Text, Whole
@@ -170,9 +171,16 @@ class PlantSpec:
         """What its own sensors publish; loads its class."""
         return tuple(map(topic_of, self.class_.load().sensors))
 
-    def build(self, robot: Robot, start: Start, period: float, seed: Sequence[int]) -> Plant:
+    def build(
+        self,
+        robot: Robot,
+        start: Start,
+        period: float,
+        seed: Sequence[int],
+        world: tuple[WorldObject, ...],
+    ) -> Plant:
         """Make the plant, not connected yet, with a control period [s]."""
-        setup = Setup(robot, start.joints, start.platform, period=period, seed=seed)
+        setup = Setup(robot, start.joints, start.platform, period=period, seed=seed, world=world)
         return self.class_.make(setup, **self.parameters)
 
     def check(self, node: YamlNode, scope: Scope) -> None:
@@ -182,7 +190,9 @@ class PlantSpec:
             hold = node.find("hold")
             raise hold.error(f"{hold.text} is shorter than the period, {period:g} s")
         robot: Robot = scope["description"].robot
-        self.class_.check(node, lambda: self.build(robot, scope["start"], period, [0]))
+        self.class_.check(
+            node, lambda: self.build(robot, scope["start"], period, [0], scope["world"])
+        )
 
 
 @dataclass(frozen=True, kw_only=True)

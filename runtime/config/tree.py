@@ -87,6 +87,11 @@ class YamlNode:
         parts = str(location or self.location), self.path, " ".join(message.splitlines())
         return ConfigError(": ".join(filter(None, parts)))
 
+    def blame(self, error: ValueError) -> ConfigError:
+        """Return what a class says of its values, at the key that it begins with, if any."""
+        name, _, what = str(error).partition(": ")
+        return self.children[name].error(what) if name in self.children else self.error(str(error))
+
     def find(self, *names: str | int) -> "YamlNode":
         """Return the node at a path, or the last existing one on the way to it."""
         node = self
