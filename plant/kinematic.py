@@ -8,9 +8,10 @@ import numpy as np
 from plant.effects import Effects, Sighting
 from plant.faults import Fault
 from plant.kinematics import ArmPose, kinematics_of
-from plant.motion import State, step
-from plant.plant import Commands, Plant, Readings, Setup, Truth
-from plant.robot import Array, Robot, RobotError, numbers
+from plant.motion import State, arc, step
+from plant.plant import Commands, Contact, Plant, Readings, Setup, Truth
+from plant.robot import Array, Numbers, Robot, RobotError, numbers
+from plant.scene import Scene
 
 
 class KinematicPlant(Plant):
@@ -37,6 +38,7 @@ class KinematicPlant(Plant):
         self._drives = setup.robot.drive is not None
         self._at_origin = not self._drives and not self._state.base.any()  # for ever
         self._arm: ArmPose | None = None
+        self.scene = _scene(setup, self._state)
         self._effects = Effects(setup.robot, setup.period, np.random.default_rng(setup.seed))
         for fault in faults:
             self.inject(fault)
@@ -61,8 +63,11 @@ class KinematicPlant(Plant):
     def step(self) -> None:
         """Move for one period."""
         commands = self._effects.on_motors(self._commands, self._state, self.arm)
-        self._state = _read_only(step(self.robot, self._state, commands, self.period))
+        before = self._state
+        self._state = _read_only(step(self.robot, before, commands, self.period))
         self._arm = None
+        if self.scene is not None:
+            self._in_world(self.scene, before)
         self._effects.after_step(self._sighting)
 
     def read(self) -> Readings:
@@ -86,6 +91,26 @@ class KinematicPlant(Plant):
             return Truth(state.t, *state.numbers, *self.arm().tip_of_one)
         rows = state.q, state.qd, state.base, state.base_velocity
         return Truth(state.t, *rows, *self._sighting())
+
+    def contacts(self) -> tuple[Contact, ...]:
+        """Return what the platform has begun to touch since this was last called."""
+        return self.scene.take_contacts() if self.scene is not None else ()
+
+    def _in_world(self, scene: Scene, before: State) -> None:
+        """Let the world go on, and stop the platform at what it touches."""
+        state = self._state
+        scene.advance(state.t, self.period)
+        if not self._drives:
+            return
+
+        def base_at(share: float) -> Numbers:
+            return numbers(arc(before.base, state.base_velocity, share * self.period))
+
+        share = scene.room(base_at) if state.base_velocity.any() else 1.0
+        if share < 1.0:
+            q, qd, _, velocity = state.numbers
+            self._state = State(state.t, q, qd, base_at(share), (0.0,) * len(velocity))
+        scene.touch(state.t, self._state.numbers[2])
 
     def arm(self) -> ArmPose:
         """Return where the whole arm truly is, in the world."""
@@ -135,6 +160,13 @@ def _start(setup: Setup) -> State:
         _by_column(np.broadcast_to(base, (*batch, 3))),
         _by_column(np.zeros((*batch, robot.base_speeds))),
     )
+
+
+def _scene(setup: Setup, state: State) -> Scene | None:
+    """Return the world as it is at the start; None if there is nothing in it."""
+    if setup.world and not state.is_single:
+        raise RobotError("a batch of robots has no world: each would need one of its own")
+    return Scene(setup.world, setup.robot) if setup.world else None
 
 
 def _by_column(values: Array) -> Array:

@@ -84,6 +84,22 @@ class Truth(NamedTuple):
     rotation: Row
 
 
+class Contact(NamedTuple):
+    """The robot has begun to touch something.
+
+    Attributes:
+        t: Plant time [s].
+        part: What of the robot, such as `platform`.
+        object: Name of what it touches.
+        force: The largest of this contact [N]; None if the plant knows no forces.
+    """
+
+    t: float
+    part: str
+    object: str
+    force: float | None = None
+
+
 @dataclass(frozen=True, eq=False)
 class Setup:
     """What every plant is made with.
@@ -149,6 +165,10 @@ class Plant(ABC):
     def truth(self) -> Truth | None:
         """Return how the robot truly is; None, by default, if only sensors can say."""
         return None
+
+    def contacts(self) -> tuple[Contact, ...]:
+        """Return the contacts since this was last called; none, by default, if it knows of none."""
+        return ()
 
     def check_fault(self, fault: Fault) -> None:
         """Raise `FaultError` for a fault that it cannot be given: by default, for every one."""

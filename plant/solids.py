@@ -69,6 +69,7 @@ def meet(solid: Solid, origins: Array, directions: Array) -> tuple[Array, Array]
     turn = solid.pose[..., :3, :3]
     o = np.einsum("...ji,...j->...i", turn, origins - solid.pose[..., :3, 3])
     d = np.einsum("...ji,...j->...i", turn, directions)
+    o, d = np.broadcast_arrays(o, d)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         match solid.kind:
             case "box":
@@ -84,11 +85,10 @@ def meet(solid: Solid, origins: Array, directions: Array) -> tuple[Array, Array]
                 normals = [_slope(o, d, parts[0][0], solid.size[0], 3)]
             case _:
                 raise ValueError(f"rays are cast at boxes, cylinders and spheres, not {solid.kind}")
-        enters = np.stack(np.broadcast_arrays(*(part[0] for part in parts)))
-        leaves = np.stack(np.broadcast_arrays(*(part[1] for part in parts))).min(axis=0)
-        flat = np.take_along_axis(
-            np.stack(np.broadcast_arrays(*normals)), enters.argmax(axis=0)[None], axis=0
-        )[0]
+        enters = np.stack([part[0] for part in parts])
+        leaves = np.stack([part[1] for part in parts]).min(axis=0)
+        surface = enters.argmax(axis=0)[None]
+        flat = np.take_along_axis(np.stack(normals), surface, axis=0)[0]
     entry = enters.max(axis=0)
     met = (entry <= leaves) & (leaves >= 0.0)
     distance = np.where(met, np.maximum(entry, 0.0), np.inf)

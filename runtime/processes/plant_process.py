@@ -100,6 +100,8 @@ class PlantNode(Node):
         commands, ages = self._arbiter.commands_at(self._process.t)
         self._plant.write(commands)
         self._plant.step()
+        for t, part, other, force in self._plant.contacts():
+            self._process.log.write(t, "contact", part=part, object=other, force=force)
         self._goal.update(now)
         self._publish()
         self._log_motion(ages)

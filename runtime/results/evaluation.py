@@ -1,6 +1,7 @@
 """The evaluation of a run: its true motion compared with the path in its deployment."""
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -76,6 +77,23 @@ class JointMotion:
 
 
 @dataclass(frozen=True)
+class Touched:
+    """What a part of the robot, such as its platform, has touched of the world.
+
+    Attributes:
+        times: How often.
+        first: Plant time of the first [s].
+        force: The largest [N]; None if the plant knows no forces.
+    """
+
+    part: str
+    object: str
+    times: int
+    first: float
+    force: float | None
+
+
+@dataclass(frozen=True)
 class Evaluation:
     """How a run went.
 
@@ -84,6 +102,7 @@ class Evaluation:
         tracking: None if the deployment has no path.
         platform: None for a robot without a drive, or if its true motion is not known.
         by_sensors: Whether this is by what the sensors measured, as the plant knows no truth.
+        touched: Contacts, by part and object, the first ones first.
     """
 
     t: float
@@ -91,6 +110,7 @@ class Evaluation:
     platform: PlatformMotion | None
     joints: tuple[JointMotion, ...]
     by_sensors: bool = False
+    touched: tuple[Touched, ...] = ()
 
 
 def errors(log: RunLog, path: Path) -> Array:
@@ -117,7 +137,16 @@ def evaluate(log: RunLog, deployment: Deployment) -> Evaluation:
             for joint, angles in zip(robot.joints, log.q.T, strict=True)
         ),
         by_sensors=not log.is_truth,
+        touched=tuple(_touched(log)),
     )
+
+
+def _touched(log: RunLog) -> Iterator[Touched]:
+    contacts = [event for event in log.events if event["event"] == "contact"]
+    for part, object_ in dict.fromkeys((each["part"], each["object"]) for each in contacts):
+        these = [one for one in contacts if (one["part"], one["object"]) == (part, object_)]
+        forces = [one["force"] for one in these if one["force"] is not None]
+        yield Touched(part, object_, len(these), these[0]["t"], max(forces, default=None))
 
 
 def _tracking(log: RunLog, path: Path, tolerance: Tolerance, robot: Robot) -> Tracking | None:

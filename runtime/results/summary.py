@@ -99,6 +99,11 @@ class Summary:
                 yield "  platform", f"{backwards}: {base.least_speed:.3f} m/s at least"
                 heading, to_hand, yaw = map(_degrees, (base.heading, base.to_hand, base.arm_yaw))
                 yield "", f"heading {heading}; the hand {to_hand} off it, joint 1 at {yaw}"
+            for one in self.evaluation.touched:
+                often = "once" if one.times == 1 else f"{one.times} times"
+                force = "" if one.force is None else f", with {one.force:.3g} N at most"
+                what = f"the {one.part} touched the {one.object} {often}"
+                yield "  contact", f"{what}, first at {one.first:.1f} s{force}"
             for joint in self.evaluation.joints:
                 if "elbow" in joint.name:
                     end, least = map(_degrees, (abs(joint.final), joint.straightest))

@@ -1,6 +1,7 @@
 """Rays against solids, compared with marching along each ray in small steps."""
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -24,11 +25,11 @@ places = st.tuples(*[st.floats(-2.0, 2.0)] * 3)
 seeds = st.integers(0, 2**32 - 1)
 
 
-def pose_of(rpy, position):
+def pose_of(rpy: Any, position: Any) -> Any:
     return WorldObject(name="a", sphere=1.0, position=position, rpy=rpy, fixed=True).pose_at(0.0)
 
 
-def is_inside(kind, size, pose, point):
+def is_inside(kind: Any, size: Any, pose: Any, point: Any) -> Any:
     """Whether a point is in a solid, by its definition."""
     x, y, z = np.linalg.inv(pose)[:3, :3] @ (point - pose[:3, 3])
     if kind == "box":
@@ -38,7 +39,7 @@ def is_inside(kind, size, pose, point):
     return math.sqrt(x * x + y * y + z * z) <= size[0]
 
 
-def march(kind, size, pose, origin, direction):
+def march(kind: Any, size: Any, pose: Any, origin: Any, direction: Any) -> Any:
     """Return the first of many points along a ray that is in the solid; infinity without one."""
     for far in np.arange(0.0, FAR, STEP):
         if is_inside(kind, size, pose, origin + far * direction):
@@ -48,7 +49,9 @@ def march(kind, size, pose, origin, direction):
 
 @settings(max_examples=60, deadline=None)
 @given(shapes, st.tuples(angles, angles, angles), places, seeds)
-def test_a_ray_enters_where_marching_along_it_does(shape, rpy, position, seed):
+def test_a_ray_enters_where_marching_along_it_does(
+    shape: Any, rpy: Any, position: Any, seed: Any
+) -> None:
     kind, size = shape
     pose, rng = pose_of(rpy, position), np.random.default_rng(seed)
     origin = rng.uniform(-2.0, 2.0, 3)
@@ -65,7 +68,7 @@ def test_a_ray_enters_where_marching_along_it_does(shape, rpy, position, seed):
 
 @settings(max_examples=60, deadline=None)
 @given(shapes, st.tuples(angles, angles, angles), seeds)
-def test_the_cosine_is_that_of_the_surface_that_is_met(shape, rpy, seed):
+def test_the_cosine_is_that_of_the_surface_that_is_met(shape: Any, rpy: Any, seed: Any) -> None:
     kind, size = shape
     pose, rng = pose_of(rpy, (0.0, 0.0, 0.0)), np.random.default_rng(seed)
     origin = 4.0 * np.array(pose[:3, :3] @ rng.normal(size=3))
@@ -77,17 +80,17 @@ def test_the_cosine_is_that_of_the_surface_that_is_met(shape, rpy, seed):
     # three rays beside it meet the same face nearly always: their points span its plane
     side = np.linalg.svd(direction[None])[2][1:]
     near = [direction + 1e-5 * turn for turn in (*side, -side[0])]
-    near = np.array([turn / np.linalg.norm(turn) for turn in near])
-    distances, cosines = meet(Solid(kind, size, pose), origin[None], near)
+    beside = np.array([turn / np.linalg.norm(turn) for turn in near])
+    distances, cosines = meet(Solid(kind, size, pose), origin[None], beside)
     if not np.isfinite(distances).all() or np.ptp(cosines) > 1e-2:
         return  # it met an edge
-    points = origin + distances[:, None] * near
+    points = origin + distances[:, None] * beside
     normal = np.cross(points[1] - points[0], points[2] - points[0])
     normal /= np.linalg.norm(normal)
     assert cosine == pytest.approx(abs(normal @ direction), abs=0.02)
 
 
-def test_the_nearest_of_several_solids_is_met_by_each_ray_of_a_batch():
+def test_the_nearest_of_several_solids_is_met_by_each_ray_of_a_batch() -> None:
     solids = [
         Solid("sphere", (0.5,), pose_of((0, 0, 0), (3, 0, 0))),
         Solid("box", (1.0, 1.0, 1.0), pose_of((0, 0, 0), (2, 0, 0))),
@@ -100,13 +103,15 @@ def test_the_nearest_of_several_solids_is_met_by_each_ray_of_a_batch():
     assert hits.cosine.tolist() == [[1.0, 1.0], [0.0, 0.0]]
 
 
-def test_from_inside_the_distance_is_zero():
-    for kind, size in (("box", (1, 1, 1)), ("cylinder", (1, 1)), ("sphere", (1,))):
+def test_from_inside_the_distance_is_zero() -> None:
+    every: list[tuple[Any, Any]] = [("box", (1, 1, 1)), ("cylinder", (1, 1)), ("sphere", (1,))]
+    for kind, size in every:
         distance, cosine = meet(Solid(kind, size, np.eye(4)), np.zeros(3), np.array([1.0, 0, 0]))
-        assert (distance, cosine) == (0.0, 1.0)
+        assert float(distance) == 0.0
+        assert float(cosine) == 1.0
 
 
-def test_each_ray_may_have_a_solid_of_its_own_place():
+def test_each_ray_may_have_a_solid_of_its_own_place() -> None:
     poses = np.stack([pose_of((0, 0, 0), (x, 0, 0)) for x in (2.0, 3.0)])
     distance, _ = meet(Solid("sphere", (1.0,), poses), np.zeros(3), np.array([1.0, 0.0, 0.0]))
     assert distance.tolist() == [1.0, 2.0]
