@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from plant.belt import Ranges
 from plant.faults import Fault
 from plant.kinematics import ArmPose
 from plant.motion import State, stopping_speed
@@ -76,7 +77,7 @@ class Effects:
         if fault.kind != "ok":
             self._faults[fault.target] = fault
         match fault.kind, fault.value:
-            case "stuck", _:
+            case "stuck", _ if fault.part == "encoder":
                 self._memory[fault.target] = state.q[..., fault.index].copy()
             case "runaway", float(share):
                 self._memory[fault.target] = self._random_speed(fault.index, share, state.q)
@@ -131,6 +132,23 @@ class Effects:
                 turns = TURNED * size * self._rng_of_turns.standard_normal(position.shape)
                 return Sighting(position + noise, _turned(rotation, turns))
         return None
+
+    def on_ranges(self, ranges: Ranges) -> Ranges:
+        """Return what the range sensors measure."""
+        measured = list(ranges.ranges)
+        for fault in self._faults.values():
+            if fault.part != "ranges":
+                continue
+            match fault.kind, fault.value:
+                case "lost", _:
+                    measured[fault.index] = math.nan
+                case "stuck", _:
+                    now = np.array(measured[fault.index])
+                    measured[fault.index] = float(self._memory.setdefault(fault.target, now))
+                case "noisy", float(size):
+                    noisy = measured[fault.index] + size * self._rng.standard_normal()
+                    measured[fault.index] = max(noisy, 0.0)
+        return Ranges(tuple(measured))
 
     def after_step(self, sighting: Callable[[], Sighting]) -> None:
         """Keep what a late localiser will report later, and let random speeds change."""

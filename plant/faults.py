@@ -46,6 +46,7 @@ _KINDS: dict[str, dict[str, _Value | None]] = {
         "ok": None,
     },
     "platform": {"locked": None, "weak": _Value("1", 0.5, *_SHARE), "ok": None},
+    "ranges": {"lost": None, "stuck": None, "noisy": _Value("m", 0.1, 0.0, 10.0), "ok": None},
 }
 _OF_SLIDING: dict[str, _Value] = {  # instead of an angle, for a prismatic joint
     "locked": _Value("m", None, -10.0, 10.0),
@@ -80,10 +81,13 @@ class Fault:
     | `localiser:late=100ms` | reports what it measured so long ago |
     | `platform:locked` | brakes and stays |
     | `platform:weak=0.5` | moves at that share of the commanded speeds |
+    | `ranges/N:lost` | range sensor N, from the left, measures nothing (NaN) |
+    | `ranges/N:stuck` | goes on measuring the present range |
+    | `ranges/N:noisy=10cm` | measures with noise of that standard deviation |
     | any target, `:ok` | works again |
 
     Attributes:
-        target: `joint/N` and `encoder/N` (N from 1), `localiser` or `platform`.
+        target: `joint/N`, `encoder/N` and `ranges/N` (N from 1), `localiser` or `platform`.
         kind: As in the table.
         value: In SI; None for a kind that takes none and for `locked` where it is.
         slides: Whether the joint is prismatic, so that a value that is an angle otherwise is a
@@ -98,11 +102,11 @@ class Fault:
     def __post_init__(self) -> None:
         """Refuse what is no fault of any robot, with `FaultError`."""
         part, _, number = self.target.partition("/")
-        numbered = part in ("joint", "encoder")
+        numbered = part in ("joint", "encoder", "ranges")
         if part not in _KINDS or numbered != number.isdecimal() or (number and not numbered):
             raise FaultError(
                 f"there is no part {self.target!r} to be at fault; "
-                "valid are joint/N, encoder/N, localiser, platform"
+                "valid are joint/N, encoder/N, localiser, platform, ranges/N"
             )
         if self.kind not in _KINDS[part]:
             valid = ", ".join(_KINDS[part])
@@ -140,7 +144,7 @@ class Fault:
             raise FaultError(f"{text!r} is no fault; write TARGET:KIND, such as joint/2:locked")
         fault = cls(target, kind)  # refuses what there is not, before its value is looked at
         fault.check(robot)
-        slides = fault.index >= 0 and robot.joints[fault.index].slides
+        slides = fault.part in ("joint", "encoder") and robot.joints[fault.index].slides
         fault = cls(target, kind, slides=slides)
         if equals:
             takes = _value(fault.part, kind, slides)
@@ -155,18 +159,21 @@ class Fault:
 
     @property
     def part(self) -> str:
-        """`joint`, `encoder`, `localiser` or `platform`."""
+        """`joint`, `encoder`, `localiser`, `platform` or `ranges`."""
         return self.target.partition("/")[0]
 
     @property
     def index(self) -> int:
-        """Of the joint, counting from 0; -1 for the localiser and the platform."""
+        """Of the joint or range sensor, counting from 0; -1 for all that is not numbered."""
         return int(self.target.partition("/")[2] or 0) - 1
 
     def check(self, robot: Robot) -> None:
         """Raise `FaultError` when that robot cannot have this fault."""
         if self.part == "platform" and robot.drive is None:
             raise FaultError(f"{self}: robot '{robot.name}' has no platform")
+        if self.part == "ranges" and not (robot.belt and 0 <= self.index < robot.belt.sensors):
+            valid = f"; valid are ranges/1 to ranges/{robot.belt.sensors}" if robot.belt else ""
+            raise FaultError(f"{self}: robot '{robot.name}' has no {self.target}{valid}")
         if self.part not in ("joint", "encoder"):
             return
         if not 0 <= self.index < robot.n:

@@ -10,6 +10,7 @@ from plant.faults import Fault
 from plant.kinematics import ArmPose, kinematics_of
 from plant.motion import State, arc, step
 from plant.plant import Commands, Contact, Plant, Readings, Setup, Truth
+from plant.ranges import RangeFinder
 from plant.robot import Array, Numbers, Robot, RobotError, numbers
 from plant.scene import Scene
 
@@ -39,7 +40,12 @@ class KinematicPlant(Plant):
         self._at_origin = not self._drives and not self._state.base.any()  # for ever
         self._arm: ArmPose | None = None
         self.scene = _scene(setup, self._state)
-        self._effects = Effects(setup.robot, setup.period, np.random.default_rng(setup.seed))
+        rng = np.random.default_rng(setup.seed)
+        self._effects = Effects(setup.robot, setup.period, rng)
+        self._ranges = None
+        if setup.robot.belt is not None and self._state.is_single:
+            (rng_of_ranges,) = rng.spawn(1)
+            self._ranges = RangeFinder(setup.robot.belt, rng_of_ranges)
         for fault in faults:
             self.inject(fault)
 
@@ -71,7 +77,18 @@ class KinematicPlant(Plant):
         self._effects.after_step(self._sighting)
 
     def read(self) -> Readings:
-        """Return what encoders, localiser and odometry measure; noise is drawn at every call."""
+        """Return what encoders, localiser, odometry and further sensors measure.
+
+        Noise is drawn at every call.
+        """
+        readings = self._measured()
+        if self._ranges is None:
+            return readings
+        solids = self.scene.solids() if self.scene is not None else []
+        ranges = self._ranges.measure(readings.t, self._state.numbers[2], solids)
+        return readings._replace(sensors={"ranges": self._effects.on_ranges(ranges)})
+
+    def _measured(self) -> Readings:
         state = self._state
         if state.is_single and not self._effects.faults:
             angles, speeds, pose, _ = state.numbers

@@ -7,6 +7,7 @@ from typing import Annotated, ClassVar, Literal, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from plant.belt import Belt
 from plant.errors import MsmaError
 
 Array = npt.NDArray[np.float64]
@@ -210,6 +211,7 @@ class Robot:
         inertials: The masses of the links, of those that have one.
         mimics: Joints that are not part of the arm and move with one that is.
         held: All other joints that could move but are taken as fixed.
+        belt: Range sensors at its front, which a deployment adds; None without.
     """
 
     name: str
@@ -221,6 +223,7 @@ class Robot:
     inertials: tuple[Inertial, ...] = ()
     mimics: tuple[Mimic, ...] = ()
     held: tuple[Held, ...] = ()
+    belt: Belt | None = None
 
     @property
     def n(self) -> int:

@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Annotated, Any, ClassVar
 
@@ -11,6 +11,7 @@ import numpy as np
 from agents.agent import Agent, Body
 from agents.paths import Path
 from plant import urdf
+from plant.belt import Belt
 from plant.packages import find as find_file
 from plant.plant import Plant, Setup
 from plant.robot import Drive, Robot
@@ -60,6 +61,7 @@ class Description:
         tip: The link whose frame is the tip, where several chains end.
         locked: Joints that are held at that position [rad or m], without an agent.
         base: What moves the base, or `fixed`; by default what the file says.
+        belt: Range sensors at the front of its platform; by default none.
     """
 
     file: Annotated[str, _Source("arph")]
@@ -67,6 +69,7 @@ class Description:
     tip: str | None = None
     locked: Mapping[str, Position] | None = None
     base: Drive | None = None
+    belt: Belt | None = None
 
     short: ClassVar[str] = "file"
 
@@ -74,7 +77,8 @@ class Description:
     def robot(self) -> Robot:
         """The robot as it is described."""
         path = find_file(self.package, self.file) if self.package else self.file
-        return urdf.load(path, self.tip, self.locked, self.base)
+        robot = urdf.load(path, self.tip, self.locked, self.base)
+        return robot if self.belt is None else replace(robot, belt=self.belt)
 
     def check(self, node: YamlNode, scope: Scope) -> None:
         """Refuse a robot that cannot be read, and locks in a wrong unit."""

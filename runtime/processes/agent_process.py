@@ -61,7 +61,7 @@ class AgentNode(Node):
         sees, robot = agent.sees, deployment.description.robot
         self._shape = (robot.base_speeds,) if joint is None else ()
         perceived = _topics_of(sees, deployment)
-        own = [topic for topic in perceived if topic not in topics.TOPICS]
+        own = [topic for topic in perceived if topic.percept not in Agent.sees]
         self._senses = Perception(robot, fresh, process.refusals, own)
         self._backlog = Backlog(deployment.period, deployment.speed)
         self._pause = _PAUSE * deployment.period / deployment.speed

@@ -3,6 +3,7 @@
 import math
 import time
 from collections.abc import Iterable, Sequence
+from typing import Any, Protocol
 
 from plant import scalar
 from plant.plant import Readings, Sensor, Truth
@@ -16,14 +17,30 @@ from runtime.wire.messages import (
     JointStates,
     Message,
     PlatformPose,
+    RangesMessage,
     nil_for_nan,
 )
 from runtime.wire.own_topics import message_of, topic_of
 from runtime.wire.refusals import Refusals
+from runtime.wire.topics import Topic
 
 _GOAL_PERIOD = 0.05  # [s] between two messages: at 60 ms there is one with each state
 _GOAL_FRESH = 0.1  # [s] after a message for which its source counts as active
 _GOALS_AT_ONCE = 8  # messages that are looked at, however many came
+
+
+class _OfReading(Protocol):
+    """A kind of message that is made of a sensor's reading."""
+
+    @classmethod
+    def of(cls, t: float, reading: Any) -> Message:
+        """Return the message that says this at plant time `t` [s]."""
+
+
+def _standard(key: str) -> Topic:
+    topic = topics.STANDARD.topic_of(key)
+    assert topic is not None, f"the wire contract has {key}"
+    return topic
 
 
 class StatePublisher:
@@ -36,10 +53,11 @@ class StatePublisher:
         self._platform = bus.publisher(topics.PLATFORM)
         self._end_effector = bus.publisher(topics.HAND)
         self._joints = bus.publisher(topics.JOINTS)
-        self._own = [
-            (each.percept, bus.publisher(each.key, topic_of(each)), message_of(each.reading))
-            for each in sensors
-        ]
+        self._bus = bus
+        self._sensors: dict[str, tuple[Topic, type[_OfReading]]] = {  # by percept
+            "ranges": (_standard(topics.RANGES), RangesMessage),
+        } | {each.percept: (topic_of(each), message_of(each.reading)) for each in sensors}
+        self._publishers: dict[str, Publisher] = {}  # by percept, of what there was
 
     def publish(self, readings: Readings) -> None:
         """Publish the readings of one period."""
@@ -52,9 +70,12 @@ class StatePublisher:
             orientation = scalar.quaternion(numbers(rotation))
             pose = EndEffectorPose(t, numbers(position), orientation)
             messages.append((self._end_effector, pose))
-        for percept, publisher, message in self._own:
-            if (reading := sensors.get(percept)) is not None:
-                messages.append((publisher, message.of(t, reading)))
+        for percept, reading in sensors.items():
+            if reading is not None and percept in self._sensors:
+                topic, message = self._sensors[percept]
+                if percept not in self._publishers:
+                    self._publishers[percept] = self._bus.publisher(topic.key, topic)
+                messages.append((self._publishers[percept], message.of(t, reading)))
         states = JointStates(t, nil_for_nan(numbers(q)), nil_for_nan(numbers(qd)))
         messages.append((self._joints, states))
         send_together(messages)

@@ -8,11 +8,12 @@ import math
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from operator import methodcaller
-from typing import Annotated, Any, Literal, NamedTuple, TypeVar
+from typing import Annotated, Any, Literal, NamedTuple, Self, TypeVar
 
 import msgpack
 from msgspec import Meta, Struct, ValidationError, convert, field, to_builtins
 
+from plant.belt import Ranges
 from runtime.wire.refusals import MessageError, Reason
 
 LARGEST = 16 * 1024
@@ -113,6 +114,23 @@ class PlatformPose(Message, frozen=True, gc=False):
     x: Metres
     y: Metres
     heading: Radians
+
+
+class RangesMessage(Message, frozen=True, gc=False):
+    """What the range sensors at the platform's front measure, from the leftmost to the rightmost.
+
+    Without an echo it is the largest range; None where a sensor is lost (`nil` on the wire).
+    """
+
+    ranges: Annotated[tuple[Metres | None, ...], _any_length]
+
+    @classmethod
+    def of(cls, t: float, reading: Ranges) -> Self:
+        """Return the message that says this at plant time `t` [s]."""
+        return cls(t, nil_for_nan(reading.ranges))
+
+    def percept(self) -> Ranges:
+        return Ranges(tuple([math.nan if one is None else one for one in self.ranges]))
 
 
 class PlatformCommand(Message, frozen=True, gc=False, omit_defaults=True):

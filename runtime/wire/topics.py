@@ -19,6 +19,7 @@ from runtime.wire.messages import (
     Message,
     PlatformCommand,
     PlatformPose,
+    RangesMessage,
 )
 
 PLANT, GOAL_SOURCE, PLATFORM_AGENT = "plant", "goal", "platform"
@@ -28,6 +29,7 @@ JOINTS = "arm/joint_states"
 PLATFORM = "platform/pose"
 JOINT_COMMANDS = "arm/joint/*/cmd"
 PLATFORM_COMMAND = "platform/cmd"
+RANGES = "platform/ranges"
 GOAL = "goal"
 KNOWN_GOAL = "goal/known"
 EVERY_DIAG = "diag/**"
@@ -65,6 +67,7 @@ TOPICS = (
     Topic(HAND, EndEffectorPose, PLANT, "hand", express=False),
     Topic(JOINTS, JointStates, PLANT, "joints"),
     Topic(PLATFORM, PlatformPose, PLANT, "base", express=False),
+    Topic(RANGES, RangesMessage, PLANT, "ranges", "each period, with a belt", express=False),
     Topic(JOINT_COMMANDS, JointCommand, "joint/*", rate="answers each state"),
     Topic(PLATFORM_COMMAND, PlatformCommand, PLATFORM_AGENT, rate="answers each state"),
     Topic(GOAL, GoalMessage, GOAL_SOURCE, "goal", rate="each period, at most 100 Hz"),

@@ -52,7 +52,13 @@ def test_each_key_has_its_message() -> None:
 @pytest.mark.parametrize(
     ("role", "keys"),
     [
-        ("plant", {"arm/ee_pose", "arm/joint_states", "platform/pose", "goal/known", "diag/plant"}),
+        (
+            "plant",
+            {
+                *("arm/ee_pose", "arm/joint_states", "platform/pose", "platform/ranges"),
+                *("goal/known", "diag/plant"),
+            },
+        ),
         ("joint/2", {"arm/joint/2/cmd", "diag/joint/2"}),
         ("joint", {"diag/joint"}),
         ("platform", {"platform/cmd", "diag/platform"}),
