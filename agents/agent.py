@@ -32,6 +32,7 @@ class Goal(NamedTuple):
         None where it does not matter
     angular_velocity: (..., 3) [rad/s] in the world, with which it turns; None for none
     free: what of the orientation does not matter all the same: `roll` is a turn about the hand's z
+    grip: how far the gripper should be open there [m]; None where it is to stay as it is
     """
 
     position: Array
@@ -41,6 +42,7 @@ class Goal(NamedTuple):
     orientation: Array | None = None
     angular_velocity: Array | None = None
     free: Literal["nothing", "roll", "all"] = "nothing"
+    grip: float | None = None
 
     def moving(self, t: float) -> float:
         """For how long the goal has moved by plant time `t` [s]: [s]."""
@@ -120,7 +122,7 @@ class Percepts(NamedTuple):
 class Body:
     """What an agent is born with: the robot it is part of and its place in it.
 
-    joint: index from 0 of the joint it moves, None for the platform
+    joint: index from 0 of the joint it moves, None for the platform and the gripper
     period: of the control loop [s]
     seed: of the only source of chance an agent has
     """
@@ -166,5 +168,6 @@ class Agent(ABC):
     def decide(self, percepts: Percepts) -> Array | None:
         """Return the velocity wanted now, or None to say nothing, which lets the body rest.
 
-        Returns: (...) rad/s for a joint; (..., 2) linear m/s and angular rad/s for a platform.
+        Returns: (...) rad/s for a joint; (..., 2) linear m/s and angular rad/s for a platform;
+            opening m and largest force N for a gripper.
         """

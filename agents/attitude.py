@@ -1,4 +1,4 @@
-"""How the hand is turned along a path: what a path is given of it, and what its goals get."""
+"""How the hand is turned and grips along a path: what it is given of it, and its goals get."""
 
 from typing import Annotated, Literal, NamedTuple, TypedDict
 
@@ -28,12 +28,15 @@ class Attitude(TypedDict, total=False):
             x, y and z of the world.
         free: What of the orientation does not matter all the same: `nothing`, `roll` (a turn about
             the hand's z) or `all`.
+        grip: How far the gripper is to be open, once the hand is there [m]; without one it stays as
+            it is.
     """
 
     orientation: tuple[float, float, float, float] | None
     rpy: tuple[Angle, Angle, Angle] | None
     angular_velocity: tuple[Rate, Rate, Rate] | None
     free: Literal["nothing", "roll", "all"] | None
+    grip: Annotated[float, "m"] | None
 
 
 class Turning(NamedTuple):
@@ -43,24 +46,29 @@ class Turning(NamedTuple):
         orientation: (4) unit quaternion x, y, z, w in the world at plant time 0; None for any.
         angular_velocity: (3) [rad/s] in the world; None if it stays.
         free: What of it does not matter all the same.
+        grip: How far the gripper is to be open [m]; None for as it is.
     """
 
     orientation: Array | None = None
     angular_velocity: Array | None = None
     free: Literal["nothing", "roll", "all"] = "nothing"
+    grip: float | None = None
 
     def goal(self, position: Array, velocity: Array, since: float, until: float) -> Goal:
         """Return a piece of path, see `Goal`, with the orientation that it begins with."""
         orientation = self.orientation
         if orientation is not None and self.angular_velocity is not None:
             orientation = product(rotation_by(since * self.angular_velocity), orientation)
-        return Goal(position, velocity, since, until, orientation, self.angular_velocity, self.free)
+        turning = orientation, self.angular_velocity, self.free, self.grip
+        return Goal(position, velocity, since, until, *turning)
 
 
 def turning_of(given: Attitude) -> Turning:
     """Return what a path is given; `AttitudeError` if it makes no sense."""
     quaternion, rpy = given.get("orientation"), given.get("rpy")
-    rates, free = given.get("angular_velocity"), given.get("free")
+    rates, free, grip = given.get("angular_velocity"), given.get("free"), given.get("grip")
+    if grip is not None and grip < 0:
+        raise AttitudeError(f"grip: an opening of {grip:g} m must not be negative")
     if quaternion is not None and rpy is not None:
         raise AttitudeError("rpy: the orientation is given already; remove one of the two")
     if quaternion is not None:
@@ -74,8 +82,8 @@ def turning_of(given: Attitude) -> Turning:
         name = "free" if rates is None else "angular_velocity"
         raise AttitudeError(f"{name}: needs an orientation too, such as rpy: [0, 90 deg, 0]")
     else:
-        return Turning()
-    return Turning(orientation, None if rates is None else np.array(rates), free or "nothing")
+        return Turning(grip=grip)
+    return Turning(orientation, None if rates is None else np.array(rates), free or "nothing", grip)
 
 
 def unit(quaternion: Array) -> Array:

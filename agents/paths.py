@@ -202,7 +202,7 @@ class CsvPath(_Polyline):
             for name in ("orientation", "rpy", "angular_velocity"):
                 if attitude.get(name) is not None:
                     raise PathError(f"{name}: {file} has orientations; remove this")
-            attitude = {"orientation": (0.0, 0.0, 0.0, 1.0), "free": attitude.get("free")}
+            attitude = attitude | {"orientation": (0.0, 0.0, 0.0, 1.0)}
         table = np.array(rows)
         super().__init__(table[:, 0], table[:, 1:], turning_of(attitude))
         for index, (here, there) in enumerate(pairwise(orientations)):

@@ -69,6 +69,11 @@ class Effects:
         """The faults that there are now."""
         return tuple(self._faults.values())
 
+    @property
+    def gripper_is_limp(self) -> bool:
+        """Whether the fingers have no force."""
+        return "gripper" in self._faults
+
     def inject(self, fault: Fault, state: State, sighting: Callable[[], Sighting]) -> None:
         """Let a fault begin, or end with kind `ok`; `sighting` returns the true pose of the tip."""
         fault.check(self._robot)
@@ -96,7 +101,7 @@ class Effects:
                 joints[..., fault.index] = self._motor(fault, joints, state, arm)
             elif fault.part == "platform":
                 base = self._drive(fault, base)
-        return Commands(joints, base)
+        return Commands(joints, base, commands.gripper)
 
     def on_encoders(self, state: State) -> Encoders:
         """Return what the encoders measure of that state."""

@@ -46,6 +46,7 @@ _KINDS: dict[str, dict[str, _Value | None]] = {
         "ok": None,
     },
     "platform": {"locked": None, "weak": _Value("1", 0.5, *_SHARE), "ok": None},
+    "gripper": {"limp": None, "ok": None},
     "ranges": {"lost": None, "stuck": None, "noisy": _Value("m", 0.1, 0.0, 10.0), "ok": None},
 }
 _OF_SLIDING: dict[str, _Value] = {  # instead of an angle, for a prismatic joint
@@ -81,13 +82,15 @@ class Fault:
     | `localiser:late=100ms` | reports what it measured so long ago |
     | `platform:locked` | brakes and stays |
     | `platform:weak=0.5` | moves at that share of the commanded speeds |
+    | `gripper:limp` | no motor: the fingers let go, and stay where they are |
     | `ranges/N:lost` | range sensor N, from the left, measures nothing (NaN) |
     | `ranges/N:stuck` | goes on measuring the present range |
     | `ranges/N:noisy=10cm` | measures with noise of that standard deviation |
     | any target, `:ok` | works again |
 
     Attributes:
-        target: `joint/N`, `encoder/N` and `ranges/N` (N from 1), `localiser` or `platform`.
+        target: `joint/N`, `encoder/N` and `ranges/N` (N from 1), `localiser`, `platform` or
+            `gripper`.
         kind: As in the table.
         value: In SI; None for a kind that takes none and for `locked` where it is.
         slides: Whether the joint is prismatic, so that a value that is an angle otherwise is a
@@ -106,7 +109,7 @@ class Fault:
         if part not in _KINDS or numbered != number.isdecimal() or (number and not numbered):
             raise FaultError(
                 f"there is no part {self.target!r} to be at fault; "
-                "valid are joint/N, encoder/N, localiser, platform, ranges/N"
+                "valid are joint/N, encoder/N, localiser, platform, gripper, ranges/N"
             )
         if self.kind not in _KINDS[part]:
             valid = ", ".join(_KINDS[part])
@@ -159,7 +162,7 @@ class Fault:
 
     @property
     def part(self) -> str:
-        """`joint`, `encoder`, `localiser`, `platform` or `ranges`."""
+        """`joint`, `encoder`, `localiser`, `platform`, `gripper` or `ranges`."""
         return self.target.partition("/")[0]
 
     @property
@@ -171,6 +174,8 @@ class Fault:
         """Raise `FaultError` when that robot cannot have this fault."""
         if self.part == "platform" and robot.drive is None:
             raise FaultError(f"{self}: robot '{robot.name}' has no platform")
+        if self.part == "gripper" and robot.gripper is None:
+            raise FaultError(f"{self}: robot '{robot.name}' has no gripper")
         if self.part == "ranges" and not (robot.belt and 0 <= self.index < robot.belt.sensors):
             valid = f"; valid are ranges/1 to ranges/{robot.belt.sensors}" if robot.belt else ""
             raise FaultError(f"{self}: robot '{robot.name}' has no {self.target}{valid}")

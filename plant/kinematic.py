@@ -7,6 +7,7 @@ import numpy as np
 
 from plant.effects import Effects, Sighting
 from plant.faults import Fault
+from plant.grasp import Grasp
 from plant.kinematics import ArmPose, kinematics_of
 from plant.motion import State, arc, step
 from plant.plant import Commands, Contact, Plant, Readings, Setup, Truth
@@ -42,8 +43,12 @@ class KinematicPlant(Plant):
         self.scene = _scene(setup, self._state)
         rng = np.random.default_rng(setup.seed)
         self._effects = Effects(setup.robot, setup.period, rng)
+        single = self._state.is_single
+        self._grasp = None
+        if setup.robot.gripper is not None and single:
+            self._grasp = Grasp(setup.robot.gripper, setup.robot.tip)
         self._ranges = None
-        if setup.robot.belt is not None and self._state.is_single:
+        if setup.robot.belt is not None and single:
             (rng_of_ranges,) = rng.spawn(1)
             self._ranges = RangeFinder(setup.robot.belt, rng_of_ranges)
         for fault in faults:
@@ -74,6 +79,8 @@ class KinematicPlant(Plant):
         self._arm = None
         if self.scene is not None:
             self._in_world(self.scene, before)
+        if self._grasp is not None:
+            self._grip(self._grasp, commands.gripper)
         self._effects.after_step(self._sighting)
 
     def read(self) -> Readings:
@@ -82,11 +89,14 @@ class KinematicPlant(Plant):
         Noise is drawn at every call.
         """
         readings = self._measured()
-        if self._ranges is None:
-            return readings
-        solids = self.scene.solids() if self.scene is not None else []
-        ranges = self._ranges.measure(readings.t, self._state.numbers[2], solids)
-        return readings._replace(sensors={"ranges": self._effects.on_ranges(ranges)})
+        sensors: dict[str, object] = {}
+        if self._grasp is not None and self._grasp.is_commanded:
+            sensors["gripper"] = self._grasp.read(self.scene)
+        if self._ranges is not None:
+            solids = self.scene.solids() if self.scene is not None else []
+            ranges = self._ranges.measure(readings.t, self._state.numbers[2], solids)
+            sensors["ranges"] = self._effects.on_ranges(ranges)
+        return readings._replace(sensors=sensors) if sensors else readings
 
     def _measured(self) -> Readings:
         state = self._state
@@ -108,6 +118,17 @@ class KinematicPlant(Plant):
             return Truth(state.t, *state.numbers, *self.arm().tip_of_one)
         rows = state.q, state.qd, state.base, state.base_velocity
         return Truth(state.t, *rows, *self._sighting())
+
+    def _grip(self, grasp: Grasp, command: tuple[float, float] | None) -> None:
+        """Let the fingers move, and what they hold go with the hand."""
+        if command is not None:
+            grasp.write(command)
+        if not grasp.is_commanded:
+            return
+        tip = np.eye(4)
+        position, rotation = self.arm().tip_of_one
+        tip[:3, :3], tip[:3, 3] = np.reshape(rotation, (3, 3)), position
+        grasp.step(tip, self.scene, self.period, self._effects.gripper_is_limp)
 
     def contacts(self) -> tuple[Contact, ...]:
         """Return what the platform has begun to touch since this was last called."""

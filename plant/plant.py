@@ -33,10 +33,13 @@ class Commands(NamedTuple):
         joints: (..., n) [rad/s], of a prismatic joint [m/s].
         base: (..., 2) forward [m/s] and turning [rad/s], of a holonomic base (..., 3): to the left
             [m/s]; of no effect without a drive.
+        gripper: The opening that the fingers are to have [m], and their largest force [N]. The
+            drive keeps to it until the next one; None while there is none.
     """
 
     joints: Row
     base: Row = (0.0, 0.0)
+    gripper: tuple[float, float] | None = None
 
 
 class Readings(NamedTuple):

@@ -143,6 +143,43 @@ class Held(NamedTuple):
         return "m" if self.kind == "prismatic" else "rad"
 
 
+class Finger(NamedTuple):
+    """One finger of a gripper.
+
+    Attributes:
+        joint: Its joint, which slides.
+        links: What moves with it.
+        direction: (3,) unit vector along which the joint slides, in the arm's last frame.
+        share: The joint's motion for each metre of the gripper's opening [m/m].
+    """
+
+    joint: str
+    links: tuple[str, ...]
+    direction: Array
+    share: float
+
+
+class Gripper(NamedTuple):
+    """Fingers at the end of an arm that open and close together; they meet at the tip.
+
+    Attributes:
+        fingers: The first one leads.
+        axis: (3,) unit vector along which the first one moves away from the others as they open, in
+            the arm's last frame.
+        most: The largest opening; the smallest is 0 [m].
+        drawn: The opening at which the fingers are in `visuals` and `collisions` [m].
+        max_speed: Of the opening [m/s].
+        max_effort: Force of each finger [N].
+    """
+
+    fingers: tuple[Finger, ...]
+    axis: Array
+    most: float
+    drawn: float
+    max_speed: float
+    max_effort: float
+
+
 @dataclass(frozen=True, kw_only=True)
 class Drive:
     """What moves a base in the plane; the base frame is the root link's.
@@ -211,6 +248,7 @@ class Robot:
         inertials: The masses of the links, of those that have one.
         mimics: Joints that are not part of the arm and move with one that is.
         held: All other joints that could move but are taken as fixed.
+        gripper: Its fingers, whose joints are in `held`; None without.
         belt: Range sensors at its front, which a deployment adds; None without.
     """
 
@@ -223,6 +261,7 @@ class Robot:
     inertials: tuple[Inertial, ...] = ()
     mimics: tuple[Mimic, ...] = ()
     held: tuple[Held, ...] = ()
+    gripper: Gripper | None = None
     belt: Belt | None = None
 
     @property

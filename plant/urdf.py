@@ -20,6 +20,7 @@ from plant.robot import Array, Drive, Held, Joint, JointKind, Mimic, Robot, Robo
 from plant.urdf_bodies import inertials, shapes
 from plant.urdf_drive import drive_of
 from plant.urdf_elements import Element, axis, parse
+from plant.urdf_gripper import gripper_of
 from plant.urdf_tree import MOVING, OF_ARM, Tree
 
 ROBOTS = Path(__file__).with_name("robots")
@@ -128,6 +129,7 @@ def robot_of(
         inertials(tree, frames.anchor),
         mimics,
         held,
+        gripper_of(tree, chain, moving, locked),
     )
 
 

@@ -26,7 +26,7 @@ from runtime.chaos.schedule import Due, Schedule
 from runtime.config.deployment import Deployment, Tolerance
 from runtime.config.specs import parts_of
 from runtime.results.reach import HandError, hand_error, smallest_error
-from runtime.wire.topics import GOAL_SOURCE, PLATFORM_AGENT
+from runtime.wire.topics import GOAL_SOURCE, GRIPPER_AGENT, PLATFORM_AGENT
 
 _COARSEST = 0.02  # [s] shortest period that is simulated
 _STILL = 0.001  # [rad or m] a joint that went less did not move
@@ -132,6 +132,8 @@ class _AgentTeam:
         """Return the commands of the agents that are up; other joints rest."""
         velocities, base = np.zeros(robot.n), np.zeros(robot.base_speeds)
         for spec in self._deployment.agents:
+            if spec.role == GRIPPER_AGENT:  # it moves no hand
+                continue
             wanted = self._agents[spec.role].decide(percepts) if self.is_up(spec.role) else None
             if wanted is not None and spec.joint is None:
                 base[:] = wanted

@@ -26,11 +26,12 @@ from runtime.errors import valid_are
 from runtime.processes.node import Node
 from runtime.wire.own_topics import topic_of
 from runtime.wire.security import OPERATOR
-from runtime.wire.topics import GOAL_SOURCE, PLANT, Topic
+from runtime.wire.topics import GOAL_SOURCE, GRIPPER_AGENT, PLANT, Topic
 
 Role = Annotated[str, Text("joint/1", "a role", "[a-z][a-z0-9_-]*(/[0-9]+)?")]
 _EVERY_JOINT = "joint/*"
-_TAKEN = ("plant", "goal", "joint", "platform", "launcher", "watcher", "successor", OPERATOR, "ca")
+_MOTORS = ("joint", "platform", GRIPPER_AGENT)
+_TAKEN = ("plant", "goal", *_MOTORS, "launcher", "watcher", "successor", OPERATOR, "ca")
 """Reserved role names: those of other processes, logs and certificates."""
 _PLANT = ClassOf("plant.kinematic:KinematicPlant", Plant, PLANT)
 Metres = Annotated[float, "m"]
@@ -92,7 +93,7 @@ class Description:
 
 
 def parts_of(robot: Robot) -> tuple[str, ...]:
-    """Return the roles of all agents that a robot can have."""
+    """Return the roles of all agents that a robot can have for its motion."""
     joints = (f"joint/{index + 1}" for index in range(robot.n))
     return (*joints, "platform") if robot.drive else tuple(joints)
 
@@ -228,8 +229,8 @@ class AgentSpec:
     """One agent.
 
     Attributes:
-        role: What it moves: joint/1, joint/2 and so on, or platform; joint/* stands for an agent
-            of its own for each joint that is not named otherwise.
+        role: What it moves: joint/1, joint/2 and so on, platform, or gripper; joint/* stands for an
+            agent of its own for each joint that is not named otherwise.
         class_: A class of agents, `module:Class`; its parameters are given beside it.
         host: Its host, by default the first one; with copies a list of hosts, by default that one
             and those after it.
@@ -244,7 +245,7 @@ class AgentSpec:
 
     @property
     def joint(self) -> int | None:
-        """Index of its joint from 0; None for the platform."""
+        """Index of its joint from 0; None for the platform and the gripper."""
         _, numbered, number = self.role.partition("/")
         return int(number) - 1 if numbered else None
 
@@ -255,7 +256,7 @@ class AgentSpec:
     def check(self, node: YamlNode, scope: Scope) -> None:
         """Refuse an unknown role, too many hosts, and parameters that the class refuses."""
         robot: Robot = scope["description"].robot
-        valid = parts_of(robot)
+        valid = (*parts_of(robot), *([GRIPPER_AGENT] if robot.gripper else []))
         if self.role not in valid:
             what = f"{robot.name} has no part {self.role!r}"
             raise node.find("role").error(f"{what}{valid_are(self.role, valid)}")

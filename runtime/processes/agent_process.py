@@ -15,7 +15,7 @@ from runtime.processes.perception import Perception
 from runtime.processes.process import Process
 from runtime.processes.timing import Backlog, Cadence, apart
 from runtime.wire import topics
-from runtime.wire.messages import JointCommand, PlatformCommand
+from runtime.wire.messages import GripperCommand, JointCommand, Message, PlatformCommand
 from runtime.wire.samples import Sample
 from runtime.wire.topics import Topic
 
@@ -43,6 +43,17 @@ def _topics_of(sees: frozenset[str], deployment: Deployment) -> list[Topic]:
     return [topic for topic in contract.topics if topic.percept in sees]
 
 
+def _motor(
+    role: str, joint: int | None, deployment: Deployment
+) -> tuple[str, Callable[..., Message], tuple[int, ...]]:
+    """Return on which key a role commands, by which message, and the shape of its decisions."""
+    if role == topics.GRIPPER_AGENT:
+        return topics.GRIPPER_COMMAND, GripperCommand, (2,)
+    if joint is None:
+        return topics.PLATFORM_COMMAND, PlatformCommand, (deployment.description.robot.base_speeds,)
+    return topics.joint_command(joint + 1), JointCommand, ()
+
+
 class AgentNode(Node):
     """Sends an agent's command for each state of the plant.
 
@@ -55,11 +66,9 @@ class AgentNode(Node):
         self.state = "waits for the plant"
         self._process, self._agent = process, agent
         joint = deployment.agent(process.role).joint
-        self._command: Callable[..., JointCommand | PlatformCommand]
-        self._command = PlatformCommand if joint is None else JointCommand
+        key, self._command, self._shape = _motor(process.role, joint, deployment)
         fresh = freshness(deployment.period, deployment.speed)
         sees, robot = agent.sees, deployment.description.robot
-        self._shape = (robot.base_speeds,) if joint is None else ()
         perceived = _topics_of(sees, deployment)
         own = [topic for topic in perceived if topic.percept not in Agent.sees]
         self._senses = Perception(robot, fresh, process.refusals, own)
@@ -79,9 +88,7 @@ class AgentNode(Node):
         silence = None
         if sees >= {"joints", "hand"}:  # it goes by the joint states, and looks at the hand
             silence = max(deployment.period / deployment.speed, _BLINK)
-        self._out = bus.publisher(
-            topics.PLATFORM_COMMAND if joint is None else topics.joint_command(joint + 1)
-        )
+        self._out = bus.publisher(key)
         self._board = bus.on_sample(board, self._perceive, silence, self._decide)
         self._perceiving = threading.Lock()
 

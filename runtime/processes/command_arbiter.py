@@ -8,27 +8,30 @@ from plant.plant import Commands
 from plant.robot import Robot
 from runtime.wire import topics
 from runtime.wire.arbitration import TopicInput
-from runtime.wire.messages import JointCommand, PlatformCommand
+from runtime.wire.messages import GripperCommand, JointCommand, PlatformCommand
 from runtime.wire.refusals import Reason, Refusals
 from runtime.wire.samples import Sample
 
-EXPRESSIONS = (topics.JOINT_COMMANDS, topics.PLATFORM_COMMAND)
+EXPRESSIONS = (topics.JOINT_COMMANDS, topics.PLATFORM_COMMAND, topics.GRIPPER_COMMAND)
 """The key expressions on which commands come."""
 _ROUNDING = 1 + 1e-9
 
-Command = JointCommand | PlatformCommand
+Command = JointCommand | PlatformCommand | GripperCommand
 
 
 class _Motor(NamedTuple):
-    """What one agent commands, and its largest speeds."""
+    """What one agent commands, and its largest speeds, or opening and force."""
 
     role: str
-    input: TopicInput[JointCommand] | TopicInput[PlatformCommand]
+    input: TopicInput[JointCommand] | TopicInput[PlatformCommand] | TopicInput[GripperCommand]
     limits: tuple[float, ...]
 
 
 class CommandArbiter:
     """Takes the commands of all agents, and holds each for the hold time (rules 4 and 5).
+
+    That of the gripper is in force until the next one: what it holds must not fall when its agent
+    does.
 
     What it hands on is within the robot's limits, so that no plant needs to check it. All times
     are plant times [s], so that nothing grows old while the plant is stopped.
@@ -62,6 +65,11 @@ class CommandArbiter:
             key = topics.PLATFORM_COMMAND
             both = TopicInput(key, PlatformCommand, fresh, refusals, standbys=True)
             self._motors[key] = _Motor(topics.PLATFORM_AGENT, both, robot.drive.max_velocity)
+        self._gripper: _Motor | None = None
+        if robot.gripper is not None:
+            key, limits = topics.GRIPPER_COMMAND, (robot.gripper.most, robot.gripper.max_effort)
+            grips = TopicInput(key, GripperCommand, fresh, refusals, standbys=True)
+            self._gripper = _Motor(topics.GRIPPER_AGENT, grips, limits)
 
     def take(self, arrival: Sample, t: float) -> tuple[str, float] | None:
         """Take what arrived at plant time `t` [s].
@@ -70,13 +78,15 @@ class CommandArbiter:
             Which role answers the state of which plant time [s]; None if it was refused.
         """
         motor = self._motors.get(arrival.key)
+        if arrival.key == topics.GRIPPER_COMMAND:
+            motor = self._gripper
         if motor is None:
             self._refusals.count_unknown(arrival.key)
             return None
         command = motor.input.accept(arrival.data, t)
         if command is None:
             return None
-        for speed, limit in zip(_speeds(command), motor.limits, strict=False):
+        for speed, limit in zip(_values(command), motor.limits, strict=False):
             if abs(speed) > limit * _ROUNDING:
                 detail = f"{speed:g}, clamped to {limit:g}"
                 self._refusals.count(arrival.key, Reason.OVER_LIMIT, detail)
@@ -93,22 +103,40 @@ class CommandArbiter:
         for motor in self._motors.values():
             source = motor.input.selected(t)
             age = math.inf if source is None else t - source.arrived
-            if source is not None and source.message.by != self._in_use.get(motor.role):
-                self._in_use[motor.role] = source.message.by
-                self._on_change(motor.role, source.message.by)
+            if source is not None:
+                self._note(motor.role, source.message.by)
             if source is None or age > self._hold:
                 speeds.extend(0.0 for _ in motor.limits)
                 ages.append(None)
             else:
-                for speed, limit in zip(_speeds(source.message), motor.limits, strict=False):
+                for speed, limit in zip(_values(source.message), motor.limits, strict=False):
                     speeds.append(min(max(speed, -limit), limit))
                 ages.append(age)
         joints, base = tuple(speeds[: self._n]), tuple(speeds[self._n :])
-        return Commands(joints, base) if base else Commands(joints), ages
+        grip = self._grip(t)
+        return Commands(joints, base or (0.0, 0.0), grip), ages
+
+    def _grip(self, t: float) -> tuple[float, float] | None:
+        """Return opening [m] and force [N] of the gripper at plant time `t` [s], however old."""
+        source = None if self._gripper is None else self._gripper.input.selected(t)
+        if self._gripper is None or source is None:
+            return None
+        self._note(self._gripper.role, source.message.by)
+        pairs = zip(_values(source.message), self._gripper.limits, strict=True)
+        opening, effort = (min(max(value, 0.0), limit) for value, limit in pairs)
+        return opening, effort
+
+    def _note(self, role: str, by: int) -> None:
+        """Take note of the incarnation whose commands of a role are in force."""
+        if self._in_use.get(role) != by:
+            self._in_use[role] = by
+            self._on_change(role, by)
 
 
-def _speeds(command: Command) -> tuple[float, ...]:
-    """Return the speeds of a command; the last of a platform's is for a holonomic base only."""
+def _values(command: Command) -> tuple[float, ...]:
+    """Return the numbers of a command; the last of a platform's is for a holonomic base only."""
     if isinstance(command, JointCommand):
         return (command.velocity,)
+    if isinstance(command, GripperCommand):
+        return command.opening, command.effort
     return command.linear, command.angular, command.lateral

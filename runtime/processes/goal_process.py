@@ -46,6 +46,6 @@ class GoalNode(Node):
             None if row is None else tuple(row.tolist())
             for row in (goal.orientation, goal.angular_velocity)
         )
-        turning = orientation, angular_velocity, goal.free
+        turning = orientation, angular_velocity, goal.free, goal.grip
         until = min(goal.until, LIMIT)
         self._out.send(GoalMessage(t, position, velocity, goal.since, until, *turning))

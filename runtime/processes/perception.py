@@ -129,7 +129,8 @@ class Perception:
                 None if row is None else np.array(row)
                 for row in (piece.orientation, piece.angular_velocity)
             )
-            goal = Goal(position, velocity, piece.since, piece.until, turn, rates, piece.free)
+            turning = turn, rates, piece.free, piece.grip
+            goal = Goal(position, velocity, piece.since, piece.until, *turning)
             self._goal_known = (piece, goal)
         return self._goal_known[1]
 

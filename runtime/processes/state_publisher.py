@@ -14,6 +14,7 @@ from runtime.wire.bus import Bus, Publisher, send_together
 from runtime.wire.messages import (
     EndEffectorPose,
     GoalMessage,
+    GripperState,
     JointStates,
     Message,
     PlatformPose,
@@ -56,7 +57,10 @@ class StatePublisher:
         self._bus = bus
         self._sensors: dict[str, tuple[Topic, type[_OfReading]]] = {  # by percept
             "ranges": (_standard(topics.RANGES), RangesMessage),
-        } | {each.percept: (topic_of(each), message_of(each.reading)) for each in sensors}
+            "gripper": (_standard(topics.GRIPPER), GripperState),
+        }
+        for each in sensors:
+            self._sensors[each.percept] = topic_of(each), message_of(each.reading)
         self._publishers: dict[str, Publisher] = {}  # by percept, of what there was
 
     def publish(self, readings: Readings) -> None:

@@ -145,6 +145,35 @@ class PlatformCommand(Message, frozen=True, gc=False, omit_defaults=True):
     lateral: MetresPerSecond = 0.0
 
 
+class GripperState(Message, frozen=True, gc=False):
+    """How the gripper is, from the first command to it on.
+
+    Attributes:
+        opening: Distance between its fingers.
+        holds: Whether there is something between them that it carries.
+    """
+
+    opening: Metres
+    holds: bool
+
+    @classmethod
+    def of(cls, t: float, reading: Any) -> Self:
+        """Return the message that says this at plant time `t` [s]."""
+        return cls(t, reading.opening, reading.holds)
+
+
+class GripperCommand(Message, frozen=True, gc=False):
+    """What the gripper agent wants; the drive keeps to it until another one comes.
+
+    Attributes:
+        opening: Distance between the fingers.
+        effort: Their largest force.
+    """
+
+    opening: Metres
+    effort: Annotated[float, number("N")]
+
+
 class GoalMessage(Message, frozen=True, gc=False, omit_defaults=True):
     """A piece of path: the goal's position at plant time `from`, and its velocity.
 
@@ -154,6 +183,7 @@ class GoalMessage(Message, frozen=True, gc=False, omit_defaults=True):
         orientation: Unit quaternion x, y, z, w at plant time `from`; without one, any will do.
         angular_velocity: In the world, with which the orientation turns.
         free: What of the orientation does not matter all the same; `roll` is about the hand's z.
+        grip: How far the gripper is to be open where the goal is; without, it stays as it is.
     """
 
     position: Position
@@ -163,6 +193,7 @@ class GoalMessage(Message, frozen=True, gc=False, omit_defaults=True):
     orientation: Quaternion | None = None
     angular_velocity: AngularVelocity | None = None
     free: Literal["nothing", "roll", "all"] = "nothing"
+    grip: Metres | None = None
 
     def check(self) -> None:
         if self.orientation is not None:

@@ -14,6 +14,8 @@ from runtime.wire.messages import (
     Diag,
     EndEffectorPose,
     GoalMessage,
+    GripperCommand,
+    GripperState,
     JointCommand,
     JointStates,
     Message,
@@ -23,6 +25,7 @@ from runtime.wire.messages import (
 )
 
 PLANT, GOAL_SOURCE, PLATFORM_AGENT = "plant", "goal", "platform"
+GRIPPER_AGENT = "gripper"
 
 HAND = "arm/ee_pose"
 JOINTS = "arm/joint_states"
@@ -30,6 +33,8 @@ PLATFORM = "platform/pose"
 JOINT_COMMANDS = "arm/joint/*/cmd"
 PLATFORM_COMMAND = "platform/cmd"
 RANGES = "platform/ranges"
+GRIPPER = "gripper/state"
+GRIPPER_COMMAND = "gripper/cmd"
 GOAL = "goal"
 KNOWN_GOAL = "goal/known"
 EVERY_DIAG = "diag/**"
@@ -68,8 +73,10 @@ TOPICS = (
     Topic(JOINTS, JointStates, PLANT, "joints"),
     Topic(PLATFORM, PlatformPose, PLANT, "base", express=False),
     Topic(RANGES, RangesMessage, PLANT, "ranges", "each period, with a belt", express=False),
+    Topic(GRIPPER, GripperState, PLANT, "gripper", "each period, once commanded", express=False),
     Topic(JOINT_COMMANDS, JointCommand, "joint/*", rate="answers each state"),
     Topic(PLATFORM_COMMAND, PlatformCommand, PLATFORM_AGENT, rate="answers each state"),
+    Topic(GRIPPER_COMMAND, GripperCommand, GRIPPER_AGENT, rate="answers each state"),
     Topic(GOAL, GoalMessage, GOAL_SOURCE, "goal", rate="each period, at most 100 Hz"),
     Topic(KNOWN_GOAL, GoalMessage, PLANT, "goal", "at most 20 Hz", express=False, recorded=False),
     Topic(EVERY_DIAG, Diag, "**", rate="1 Hz", urgent=False, express=False),

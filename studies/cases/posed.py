@@ -212,7 +212,7 @@ class Moving(NamedTuple):
 
     def part(self, rows: Bools) -> "Moving":
         """Return some of them."""
-        place, velocity, since, until, turn, rate, _ = self.goal
+        place, velocity, since, until, turn, rate, *_ = self.goal
         assert turn is not None
         assert rate is not None
         goal = Goal(place[rows], velocity[rows], since, until, turn[rows], rate[rows])

@@ -65,6 +65,8 @@ def _shape(kind: types.Type) -> str:
             return "count"
         case types.StrType():
             return "text"
+        case types.BoolType():
+            return "true or false"
         case types.UnionType(types=members):
             return " or ".join(map(_shape, members))
         case types.LiteralType(values=values):
