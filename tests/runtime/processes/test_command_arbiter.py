@@ -11,7 +11,7 @@ from plant.plant import Setup
 from plant.robot import Drive
 from runtime.processes.command_arbiter import CommandArbiter
 from runtime.wire import topics
-from runtime.wire.messages import JointCommand, PlatformCommand, pack, unpack_map
+from runtime.wire.messages import GripperCommand, JointCommand, PlatformCommand, pack, unpack_map
 from runtime.wire.refusals import UNKNOWN_KEYS, Reason, Refusals
 from runtime.wire.samples import Sample
 
@@ -36,6 +36,11 @@ class Plant:
         self._n += 1
         data = pack(PlatformCommand(0.5, linear, angular, by=7, n=self._n))
         assert self.arbiter.take(Sample(topics.PLATFORM_COMMAND, data), at) is not None
+
+    def gripper_hears(self, opening: float, effort: float, at: float) -> None:
+        self._n += 1
+        data = pack(GripperCommand(0.5, opening, effort, by=7, n=self._n))
+        assert self.arbiter.take(Sample(topics.GRIPPER_COMMAND, data), at) == ("gripper", 0.5)
 
     def joints(self, at: float) -> list[float]:
         commands, _ = self.arbiter.commands_at(at)
@@ -189,3 +194,29 @@ def test_only_a_base_that_can_moves_sideways(
 def test_who_says_nothing_of_sideways_sends_as_before() -> None:
     data = pack(PlatformCommand(0.5, 0.1, -0.2, by=7, n=1))
     assert unpack_map(data).keys() == {"t", "by", "n", "linear", "angular"}
+
+
+def test_the_gripper_keeps_its_last_command_for_ever_and_has_no_part_in_the_ages(
+    plant: Plant,
+) -> None:
+    assert plant.arbiter.commands_at(1.0)[0].gripper is None
+    plant.gripper_hears(0.02, 5.0, at=1.0)
+    commands, ages = plant.arbiter.commands_at(1000.0)
+    assert commands.gripper == (0.02, 5.0)
+    assert ages == [None] * 7
+
+
+def test_the_gripper_is_kept_within_its_opening_and_force(plant: Plant) -> None:
+    plant.gripper_hears(-1.0, 100.0, at=1.0)
+    assert plant.arbiter.commands_at(1.0)[0].gripper == (0.0, 20.0)
+    counted = plant.refusals.table()[topics.GRIPPER_COMMAND]
+    assert counted == {Reason.OVER_LIMIT: 2}
+
+
+def test_a_robot_without_a_gripper_takes_no_command_for_one() -> None:
+    refusals = Refusals()
+    robot = urdf.load("planar5")
+    arbiter = CommandArbiter(robot, hold=HOLD, fresh=FRESH, refusals=refusals)
+    data = pack(GripperCommand(0.5, 0.0, 5.0, by=7, n=1))
+    assert arbiter.take(Sample(topics.GRIPPER_COMMAND, data), 1.0) is None
+    assert refusals.table() == {UNKNOWN_KEYS: {Reason.UNKNOWN_KEY: 1}}

@@ -1,0 +1,118 @@
+"""A gripper, a belt and a world through real processes."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from runtime.config.deployment import load
+from runtime.config.tree import ConfigError
+from runtime.wire.security import access_list
+from tests.runtime.conftest import ROOT, Robot, wait_for
+
+ARPH = (ROOT / "deploy" / "arph.yaml").read_text().partition("start:")[0].replace("24 s", "600 s")
+FILE = f"""{ARPH}
+start:
+  joints: [0 deg, 60 deg, -115 deg, 0 deg, 55 deg, 0 deg]
+world:
+  - {{name: table, box: [30 cm, 30 cm, 4 cm], position: [50 cm, -18 cm, 85 cm], fixed: true}}
+  - {{name: cup, cylinder: [3 cm, 10 cm], position: [41.854 cm, -18 cm, 92 cm], mass: 300 g}}
+  - {{name: wall, box: [10 cm, 4 m, 2 m], position: [1.5 m, 0 m, 1 m], fixed: true}}
+goal:
+  class: agents.paths:Waypoints
+  points: [[418.5 mm, -18 cm, 921.8 mm], [418.5 mm, -18 cm, 1.05 m]]
+  speed: 5 cm/s
+  rest: 4 s
+  grip: 0 mm
+agents:
+  - {{role: joint/*, class: agents.joint:JointAgent}}
+  - {{role: gripper, class: agents.gripper:GripperAgent, effort: 10 N}}
+"""
+AHEAD = """
+from agents.agent import Agent
+
+
+class Ahead(Agent):
+    def __init__(self, body):
+        self.sees = frozenset(("joints",))
+
+    def decide(self, percepts):
+        return (0.2, 0.0)
+"""
+
+
+def deployment(folder: Path, more: str = "", text: str = FILE) -> str:
+    file = folder / "grip.yaml"
+    file.write_text(text + more)
+    return str(file)
+
+
+def state(robot: Robot) -> dict[str, Any]:
+    """Return the next message about the gripper."""
+    lines = robot.tool("echo", "gripper/state", "-n", "1").stdout.splitlines()
+    said: dict[str, Any] = json.loads(lines[0])
+    return said
+
+
+def test_the_cup_is_taken_and_kept_whatever_becomes_of_the_agent(robot: Robot) -> None:
+    belt = "description: {file: arph, belt: {sensors: 3, noise: 0 m, spread: 60 deg}}"
+    file = deployment(robot.folder, text=FILE.replace("description: arph", belt))
+    robot.start("launch", file, "--robot", robot.name, "--speed", "2")
+    robot.until(0.5)
+    wait_for(lambda: state(robot)["holds"], "the cup to be held")
+    assert state(robot)["opening"] == pytest.approx(0.06)
+    killed = robot.tool("kill", "gripper")
+    assert killed.returncode == 0, killed.stderr
+    robot.until(robot.t + 6.0)
+    assert robot.log("plant", "tick")[-1]["hand"][2] > 0.95, "the hand goes up without it"
+    assert state(robot)["holds"]
+    said = robot.tool("revive", "gripper")
+    assert said.returncode == 0, said.stderr
+    robot.until(robot.t + 2.0)
+    assert state(robot)["holds"]
+    (echo,) = robot.tool("echo", "platform/ranges", "-n", "1").stdout.splitlines()
+    assert len(json.loads(echo)["ranges"]) == 3
+    assert min(json.loads(echo)["ranges"]) == pytest.approx(1.0, abs=0.05)
+    assert robot.tool("fault", "ranges/2:lost").returncode == 0
+    assert robot.tool("fault", "gripper:limp").returncode == 0
+    wait_for(lambda: not state(robot)["holds"], "the cup to be dropped")
+    (echo,) = robot.tool("echo", "platform/ranges", "-n", "1").stdout.splitlines()
+    assert json.loads(echo)["ranges"][1] is None
+
+
+def test_what_the_platform_touches_is_in_the_summary(robot: Robot) -> None:
+    (robot.folder / "ahead.py").write_text(AHEAD)
+    nudge = "agents: [{role: platform, class: 'ahead:Ahead'}]\n"
+    file = deployment(robot.folder, nudge, FILE.partition("goal:")[0].replace("600 s", "12 s"))
+    done = robot.msma("launch", file, "--robot", robot.name, "--speed", "4")
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "the platform touched the wall once, first at " in done.stdout
+    (touched,) = robot.summary["evaluation"]["touched"]
+    assert (touched["part"], touched["object"], touched["times"]) == ("platform", "wall", 1)
+    assert touched["first"] < 12.0
+    end = robot.log("plant", "tick")[-1]["base"]
+    assert end[0] == pytest.approx(1.45 - 0.45, abs=2e-3)
+
+
+def test_only_its_agent_may_command_the_gripper(tmp_path: Path) -> None:
+    loaded = load(deployment(tmp_path))
+    assert "gripper" in loaded.chaos_targets
+    rules = access_list("r", loaded.roles, loaded.contract)["rules"]
+    puts = [rule["key_exprs"] for rule in rules if rule["messages"] == ["put"]]
+    assert [each for each in puts if "r/gripper/cmd" in each] == [
+        ["r/gripper/cmd", "r/diag/gripper"]
+    ]
+
+
+def test_a_robot_without_fingers_takes_no_agent_for_them(tmp_path: Path) -> None:
+    planar = FILE.partition("start:")[0].replace("description: arph", "description: planar5")
+    agents = "agents: [{role: gripper, class: agents.gripper:GripperAgent}]\n"
+    with pytest.raises(ConfigError, match=r"grip.yaml:\d+:\d+: .*planar5 has no part 'gripper'"):
+        load(deployment(tmp_path, agents, planar))
+
+
+def test_a_belt_that_cannot_be_is_refused_with_its_line(tmp_path: Path) -> None:
+    belt = "description: {file: arph, belt: {sensors: 3, dropouts: 2}}"
+    with pytest.raises(ConfigError, match=r"grip.yaml:\d+:\d+: description.belt.dropouts: 2 must"):
+        load(deployment(tmp_path, text=FILE.replace("description: arph", belt)))
