@@ -8,7 +8,7 @@ from typing import Annotated, Unpack
 
 import numpy as np
 
-from agents.agent import Array, Goal
+from agents.agent import Array, Goal, Percepts
 from agents.attitude import Attitude, AttitudeError, Rate, Turning, turn_between, turning_of, unit
 from plant.errors import MsmaError
 
@@ -24,10 +24,17 @@ class PathError(MsmaError, ValueError):
 
 
 class Path(ABC):
-    """A way for the goal through space, a function of plant time alone.
+    """A way for the goal through space, a function of plant time and of what is seen now.
 
     So a goal source that is killed and started again goes on where the goal should be by now.
     """
+
+    sees: frozenset[str] = frozenset()
+    """Which percepts it has a use for, as of an agent; by default plant time alone."""
+
+    def observe(self, percepts: Percepts) -> bool:
+        """Take note of what is seen; return whether the path is known by now."""
+        return True
 
     @abstractmethod
     def piece(self, t: float) -> Goal:

@@ -63,9 +63,10 @@ class Footprint:
         self._middles, self._edges = 0.5 * (lows + highs), 0.5 * (highs - lows)
         self.low, self.high = lows.min(axis=0), highs.max(axis=0)
         reach = np.maximum(np.abs(self.low), np.abs(self.high))
-        self._radius = math.hypot(*reach[:2].tolist())
+        self.radius = math.hypot(*reach[:2].tolist())
+        """Of the circle around the base's frame that it never leaves [m]."""
 
-    def gap(self, base: Numbers, solid: Solid, near: float) -> float:
+    def gap(self, base: Numbers, solid: Solid) -> float:
         """Return how far the platform is from a solid [m]; negative, how deep they overlap.
 
         It is exact between a platform that stands apart from upright round solids, at most the
@@ -75,14 +76,10 @@ class Footprint:
         Args:
             base: x, y [m] and heading [rad] in the world.
             solid: In the world.
-            near: Where the gap is larger, any number that is larger may be returned [m].
         """
         x, y, heading = base
         dx, dy, z = (solid.pose[:3, 3] - (x, y, 0.0)).tolist()
         half = half_edges(solid)
-        apart = math.hypot(dx, dy) - self._radius - math.sqrt(float(half @ half))
-        if apart > near:
-            return apart
         cosine, sine = math.cos(heading), math.sin(heading)
         centre = np.array([cosine * dx + sine * dy, cosine * dy - sine * dx, z])
         turn = np.array([[cosine, sine, 0.0], [-sine, cosine, 0.0], [0.0, 0.0, 1.0]])

@@ -46,11 +46,6 @@ class Grasp:
         self._command: tuple[float, float] | None = None
         self._carried_at = np.eye(4)  # seen from the tip
 
-    @property
-    def is_commanded(self) -> bool:
-        """Whether it ever got a command: until then it stays as it is, and nobody need know."""
-        return self._command is not None
-
     def write(self, command: tuple[float, float]) -> None:
         """Take the wanted opening [m] and the largest force [N], until the next command."""
         self._command = command

@@ -44,7 +44,7 @@ class KinematicPlant(Plant):
         rng = np.random.default_rng(setup.seed)
         self._effects = Effects(setup.robot, setup.period, rng)
         single = self._state.is_single
-        self._grasp = None
+        self._grasp, self._grips = None, False  # without a command nobody need know of it
         if setup.robot.gripper is not None and single:
             self._grasp = Grasp(setup.robot.gripper, setup.robot.tip)
         self._ranges = None
@@ -79,7 +79,7 @@ class KinematicPlant(Plant):
         self._arm = None
         if self.scene is not None:
             self._in_world(self.scene, before)
-        if self._grasp is not None:
+        if self._grasp is not None and (self._grips or commands.gripper is not None):
             self._grip(self._grasp, commands.gripper)
         self._effects.after_step(self._sighting)
 
@@ -89,14 +89,16 @@ class KinematicPlant(Plant):
         Noise is drawn at every call.
         """
         readings = self._measured()
+        if self._ranges is None and not self._grips:
+            return readings
         sensors: dict[str, object] = {}
-        if self._grasp is not None and self._grasp.is_commanded:
+        if self._grasp is not None and self._grips:
             sensors["gripper"] = self._grasp.read(self.scene)
         if self._ranges is not None:
             solids = self.scene.solids() if self.scene is not None else []
             ranges = self._ranges.measure(readings.t, self._state.numbers[2], solids)
             sensors["ranges"] = self._effects.on_ranges(ranges)
-        return readings._replace(sensors=sensors) if sensors else readings
+        return readings._replace(sensors=sensors)
 
     def _measured(self) -> Readings:
         state = self._state
@@ -121,10 +123,9 @@ class KinematicPlant(Plant):
 
     def _grip(self, grasp: Grasp, command: tuple[float, float] | None) -> None:
         """Let the fingers move, and what they hold go with the hand."""
+        self._grips = True
         if command is not None:
             grasp.write(command)
-        if not grasp.is_commanded:
-            return
         tip = np.eye(4)
         position, rotation = self.arm().tip_of_one
         tip[:3, :3], tip[:3, 3] = np.reshape(rotation, (3, 3)), position

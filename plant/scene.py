@@ -29,6 +29,11 @@ class Scene:
         self.carried: int | None = None
         """Index of the object that moves with the hand; it is moved by whoever set this."""
         self._footprint = Footprint(robot) if robot.drive else None
+        around = self._footprint.radius + LEFT if self._footprint else 0.0
+        self._near = [
+            around + float(np.linalg.norm(half_edges(self.solid(index))))
+            for index in range(len(self.objects))
+        ]
         self._speeds = [0.0] * len(self.objects)  # down [m/s]
         self._falling = {index for index, each in enumerate(self.objects) if each.is_loose}
         self._touched: set[int] = set()
@@ -65,10 +70,7 @@ class Scene:
         Args:
             base_at: Gives x, y [m] and heading [rad] after a share of the step, 0 to 1.
         """
-        if self._footprint is None:
-            return 1.0
-        before = self._gaps(base_at(0.0))
-        reach = {i: min(gap, 0.0) for i, gap in before.items()}
+        reach = {i: min(gap, 0.0) for i, gap in self._gaps(base_at(0.0)).items()}
 
         def is_free(share: float) -> bool:
             gaps = self._gaps(base_at(share))
@@ -92,14 +94,16 @@ class Scene:
         self._touched = {i for i in self._touched if gaps.get(i, math.inf) < LEFT}
 
     def _gaps(self, base: Numbers) -> dict[int, float]:
-        """Return the gap to each object but the carried one [m], by its index."""
+        """Return the gap to each object that is near, but the carried one [m], by its index."""
+        found: dict[int, float] = {}
         if self._footprint is None:
-            return {}
-        return {
-            index: self._footprint.gap(base, self.solid(index), LEFT)
-            for index in range(len(self.objects))
-            if index != self.carried
-        }
+            return found
+        x, y, _ = base
+        for index, pose in enumerate(self.poses):
+            apart = math.hypot(pose[0, 3] - x, pose[1, 3] - y) - self._near[index]
+            if apart <= 0.0 and index != self.carried:
+                found[index] = self._footprint.gap(base, self.solid(index))
+        return found
 
     def release(self) -> None:
         """Let go of what is carried."""

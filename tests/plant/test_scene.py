@@ -81,7 +81,7 @@ def test_the_gap_is_that_between_the_platform_and_many_points_of_a_solid(
     base = (*rng.uniform(-0.3, 0.3, 2).tolist(), heading)
     pose = thing(position=tuple(position), rpy=(0.0, 0.0, rpy[2]) if upright else rpy).pose_at(0.0)
     footprint = Footprint(ARPH)
-    found = footprint.gap(base, Solid(kind, size, pose), 1e-2)
+    found = footprint.gap(base, Solid(kind, size, pose))
     world = points_of(kind, np.array(size), rng) @ pose[:3, :3].T + pose[:3, 3]
     cosine, sine = math.cos(heading), math.sin(heading)
     flat = world[:, :2] - base[:2]
@@ -142,7 +142,7 @@ def test_it_never_goes_through_whatever_it_does() -> None:
         path, _ = drive(plant, 0.6, rng.uniform(-0.3, 0.3), rng.uniform(-0.8, 0.8))
         for each in world:
             solid = Solid(each.kind, each.size, each.pose_at(0.0))
-            assert min(footprint.gap(tuple(base), solid, 1e-2) for base in path) > -1e-6
+            assert min(footprint.gap(tuple(base), solid) for base in path) > -1e-6
 
 
 def test_one_who_walks_into_it_is_counted_and_it_can_still_drive_away() -> None:

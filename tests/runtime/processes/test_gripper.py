@@ -1,6 +1,7 @@
 """A gripper, a belt and a world through real processes."""
 
 import json
+import math
 from pathlib import Path
 from typing import Any
 
@@ -58,7 +59,7 @@ def state(robot: Robot) -> dict[str, Any]:
 def test_the_cup_is_taken_and_kept_whatever_becomes_of_the_agent(robot: Robot) -> None:
     belt = "description: {file: arph, belt: {sensors: 3, noise: 0 m, spread: 60 deg}}"
     file = deployment(robot.folder, text=FILE.replace("description: arph", belt))
-    robot.start("launch", file, "--robot", robot.name, "--speed", "2")
+    robot.start("launch", file, "--robot", robot.name, "--speed", "3")
     robot.until(0.5)
     wait_for(lambda: state(robot)["holds"], "the cup to be held")
     assert state(robot)["opening"] == pytest.approx(0.06)
@@ -116,3 +117,25 @@ def test_a_belt_that_cannot_be_is_refused_with_its_line(tmp_path: Path) -> None:
     belt = "description: {file: arph, belt: {sensors: 3, dropouts: 2}}"
     with pytest.raises(ConfigError, match=r"grip.yaml:\d+:\d+: description.belt.dropouts: 2 must"):
         load(deployment(tmp_path, text=FILE.replace("description: arph", belt)))
+
+
+def test_a_cup_is_fetched_though_goal_source_and_gripper_agent_are_killed(robot: Robot) -> None:
+    more = (
+        "--kill",
+        "goal@14",
+        "--revive",
+        "goal@16",
+        "--kill",
+        "gripper@20",
+        "--duration",
+        "600s",
+    )
+    robot.launch("--speed", "4", *more, file="fetch.yaml")
+    robot.until(25.0)
+    mouth = (0.90, -1.72, 1.10)
+
+    def is_there() -> bool:
+        return math.dist(robot.log("plant", "tick")[-1]["hand"], mouth) < 0.02
+
+    wait_for(is_there, "the cup to be at the mouth")
+    assert state(robot)["holds"]

@@ -1,0 +1,169 @@
+"""Tasks: goals that go on when the hand is where it should be, and holds what it should."""
+
+from collections.abc import Sequence as Steps
+from dataclasses import dataclass
+from math import dist
+from typing import Annotated
+
+import numpy as np
+
+from agents.agent import Goal, Percepts
+from agents.attitude import Attitude, AttitudeError, Rate, turn_between, turning_of
+from agents.markers import aim_at, angle_off
+from agents.number import ONE, components
+from agents.paths import Path, PathError, Point, Speed
+
+_GRIPPED = 2e-3
+"""[m] How far off the wanted one an opening may be. Chosen: a tenth of a small cup's radius."""
+_LOST = 0.2
+"""[m] How far from the goal a hand is when it is not on its way any more. Trade-off: farther than
+any delay leaves it behind, and nearer than the next step mostly is."""
+_LOOKS = 20
+"""[] States of the plant without a word of a goal, after which there has been none. Derived: at
+least 0.2 s, while the plant publishes the last one 20 times a second."""
+_SHORTEST = 1e-3
+"""[s] Least time for a way. Chosen: so that one without a length is not divided by nothing."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Step:
+    """A pose of the hand, to be reached before the next.
+
+    Attributes:
+        position: In the world [m].
+        rpy: Roll, pitch and yaw of the hand in the world [rad]; by default any will do.
+        grip: How far the gripper is to be open there [m]; by default it stays as it is.
+        tolerance: How near the hand must come before the next step begins [m].
+        turned: By how much it may be turned otherwise [rad].
+    """
+
+    position: Point
+    rpy: tuple[Annotated[float, "rad"], Annotated[float, "rad"], Annotated[float, "rad"]] | None = (
+        None
+    )
+    grip: Annotated[float, "m"] | None = None
+    tolerance: Annotated[float, "m"] = 0.01
+    turned: Annotated[float, "rad"] = np.pi / 18
+
+    def __post_init__(self) -> None:
+        """Raise `PathError` for what no hand can do."""
+        for name in ("tolerance", "turned"):
+            if not getattr(self, name) > 0:
+                raise PathError(f"{name}: {getattr(self, name):g} must be positive")
+        try:
+            self.goal()
+        except AttitudeError as error:
+            raise PathError(str(error)) from None
+
+    def goal(self) -> Goal:
+        """Return the goal that stands there."""
+        attitude: Attitude = {"rpy": self.rpy, "grip": self.grip}
+        return turning_of(attitude).goal(np.array(self.position), np.zeros(3), 0.0, 0.0)
+
+    def is_done(self, percepts: Percepts) -> bool:
+        """Tell whether the hand is there, and the gripper as open as it should be, or holds on."""
+        aim = aim_at(ONE, self.goal(), percepts.t)
+        if percepts.hand is None or dist(components(percepts.hand), aim.place) > self.tolerance:
+            return False
+        if aim.turn is not None:
+            if percepts.orientation is None:
+                return False
+            x, y, z, w = components(percepts.orientation)
+            if angle_off(ONE, (w, x, y, z), aim) > self.turned:
+                return False
+        if self.grip is None:
+            return True
+        state = percepts.sensors.get("gripper")
+        if state is None:
+            return False
+        off: float = state.opening - self.grip
+        return abs(off) <= _GRIPPED or (bool(state.holds) and off > 0)
+
+
+class Sequence(Path):
+    """Poses one after the other, on straight lines; each begins when the one before is done.
+
+    It remembers nothing that could be lost: the goal in force, which the plant says again, shows
+    which step it is at. So it goes on there when its process is killed and started again. A hand
+    that is far off its way, as after somebody else moved it, is led on from where it is. If it has
+    seen nothing, it stands where it will lead to in the end.
+    """
+
+    sees = frozenset(("hand", "goal", "gripper"))
+
+    def __init__(self, *, steps: tuple[Step, ...], speed: Speed = 0.1, turning: Rate = 0.5) -> None:
+        """Lead through the poses one after the other.
+
+        steps: at least one
+        speed: of the goal on its way [m/s], and less where it has to turn for longer
+        turning: of the goal [rad/s], and less where its way takes longer
+        """
+        if not steps:
+            raise PathError("steps: there is none; a task takes at least one")
+        if not speed > 0:
+            raise PathError(f"speed: {speed:g} m/s must be positive")
+        if not turning > 0:
+            raise PathError(f"turning: {turning:g} rad/s must be positive")
+        self._steps: Steps[Step] = steps
+        self._speed, self._turning = speed, turning
+        self._index = len(steps) - 1
+        self._goal: Goal | None = None
+        self._looks = 0
+
+    def observe(self, percepts: Percepts) -> bool:
+        """Go on if the present step is done; return whether the goal is known."""
+        if self._goal is None:
+            self._looks += 1
+            if percepts.hand is None or (percepts.goal is None and self._looks < _LOOKS):
+                return False
+            self._resume(percepts)
+        hand, t = percepts.hand, percepts.t
+        if hand is not None and dist(hand, self.piece(t).at(t)) > _LOST:
+            self._begin(self._index, _standing(percepts), t)
+        step, following = self._steps[self._index], self._index + 1
+        if following < len(self._steps) and percepts.t >= self.end and step.is_done(percepts):
+            self._begin(following, step.goal(), percepts.t)
+        return True
+
+    def piece(self, t: float) -> Goal:
+        """Return the way to the present step."""
+        return self._steps[-1].goal() if self._goal is None else self._goal
+
+    @property
+    def end(self) -> float:
+        """When the goal is at the present step [s]; at the last one, for good."""
+        return 0.0 if self._goal is None else self._goal.until
+
+    def _resume(self, percepts: Percepts) -> None:
+        """Take on the goal in force if it leads to one of the steps, or begin with the first."""
+        known = percepts.goal
+        for index, step in enumerate(self._steps if known is not None else ()):
+            if known is not None and _leads_to(known, step):
+                self._index, self._goal = index, known
+                return
+        self._begin(0, _standing(percepts), percepts.t)
+
+    def _begin(self, index: int, start: Goal, t: float) -> None:
+        """Lead from one standing goal to a step, from plant time `t` [s] on."""
+        end = self._steps[index].goal()
+        way = end.position - start.position
+        turn, between = end.orientation, np.zeros(3)
+        if start.orientation is not None and end.orientation is not None:
+            turn, between = start.orientation, turn_between(start.orientation, end.orientation)
+        times = np.linalg.norm(way) / self._speed, np.linalg.norm(between) / self._turning
+        lasts = max(float(max(times)), _SHORTEST)
+        rates = None if turn is None else between / lasts
+        self._index = index
+        self._goal = Goal(start.position, way / lasts, t, t + lasts, turn, rates, grip=end.grip)
+
+
+def _standing(percepts: Percepts) -> Goal:
+    """Return the goal that stands where the hand is seen."""
+    assert percepts.hand is not None, "only called where it is"
+    return Goal(percepts.hand, np.zeros(3), 0.0, 0.0, percepts.orientation)
+
+
+def _leads_to(goal: Goal, step: Step) -> bool:
+    """Tell whether a goal ends at a step, with its grip."""
+    off = dist(components(goal.at(max(goal.until, goal.since))), step.position)
+    return off < 1e-6 and goal.grip == step.grip
