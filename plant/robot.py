@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import Annotated, ClassVar, Literal, NamedTuple
 
 import numpy as np
@@ -82,6 +83,8 @@ class Joint:
         max_speed: [rad/s or m/s], either way.
         max_acceleration: [rad/s2 or m/s2], speeding up and slowing down.
         kind: Which motion it has.
+        max_effort: Largest torque [N m] or force [N] of its motor, either way; inf where nobody has
+            said.
     """
 
     name: str
@@ -92,6 +95,7 @@ class Joint:
     max_speed: float
     max_acceleration: float
     kind: JointKind = "revolute"
+    max_effort: float = np.inf
 
     @property
     def slides(self) -> bool:
@@ -250,6 +254,8 @@ class Robot:
         held: All other joints that could move but are taken as fixed.
         gripper: Its fingers, whose joints are in `held`; None without.
         belt: Range sensors at its front, which a deployment adds; None without.
+        folder: Of its description, from which names of mesh files are to be followed; None without
+            one.
     """
 
     name: str
@@ -263,6 +269,7 @@ class Robot:
     held: tuple[Held, ...] = ()
     gripper: Gripper | None = None
     belt: Belt | None = None
+    folder: Path | None = None
 
     @property
     def n(self) -> int:

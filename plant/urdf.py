@@ -130,6 +130,7 @@ def robot_of(
         mimics,
         held,
         gripper_of(tree, chain, moving, locked),
+        folder=Path(tree.element.file).parent,
     )
 
 
@@ -196,7 +197,9 @@ def _joint(element: Element, limit: Element, who: str, name: str, pose: Array) -
     default = DEFAULT_LINEAR_ACCELERATION if kind == "prismatic" else DEFAULT_ACCELERATION
     speed = limit.positive("velocity", who)
     acceleration = limit.positive("acceleration", who, default)
-    return Joint(name, axis(element, who), pose, lower, upper, speed, acceleration, kind)
+    effort = limit.number("effort", who, 0.0)  # many files write 0 where it is not known
+    effort = effort if effort > 0.0 else np.inf
+    return Joint(name, axis(element, who), pose, lower, upper, speed, acceleration, kind, effort)
 
 
 class _Frames:
