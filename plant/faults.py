@@ -48,6 +48,8 @@ _KINDS: dict[str, dict[str, _Value | None]] = {
     "platform": {"locked": None, "weak": _Value("1", 0.5, *_SHARE), "ok": None},
     "gripper": {"limp": None, "ok": None},
     "ranges": {"lost": None, "stuck": None, "noisy": _Value("m", 0.1, 0.0, 10.0), "ok": None},
+    "hand": {f"push_{axis}": _Value("N", 30.0, -1000.0, 1000.0) for axis in "xyz"} | {"ok": None},
+    "payload": {"added": _Value("kg", 1.5, 0.0, 1000.0), "ok": None},
 }
 _OF_SLIDING: dict[str, _Value] = {  # instead of an angle, for a prismatic joint
     "locked": _Value("m", None, -10.0, 10.0),
@@ -86,11 +88,13 @@ class Fault:
     | `ranges/N:lost` | range sensor N, from the left, measures nothing (NaN) |
     | `ranges/N:stuck` | goes on measuring the present range |
     | `ranges/N:noisy=10cm` | measures with noise of that standard deviation |
+    | `hand:push_x=30N` | is pushed along x of the world (`push_y`, `push_z`; negative: back) |
+    | `payload:added=1.5kg` | carries that mass at its tip |
     | any target, `:ok` | works again |
 
     Attributes:
         target: `joint/N`, `encoder/N` and `ranges/N` (N from 1), `localiser`, `platform` or
-            `gripper`.
+            `gripper`; where there are forces also `hand` or `payload`.
         kind: As in the table.
         value: In SI; None for a kind that takes none and for `locked` where it is.
         slides: Whether the joint is prismatic, so that a value that is an angle otherwise is a
@@ -109,7 +113,8 @@ class Fault:
         if part not in _KINDS or numbered != number.isdecimal() or (number and not numbered):
             raise FaultError(
                 f"there is no part {self.target!r} to be at fault; "
-                "valid are joint/N, encoder/N, localiser, platform, gripper, ranges/N"
+                "valid are joint/N, encoder/N, localiser, platform, gripper, ranges/N, hand, "
+                "payload"
             )
         if self.kind not in _KINDS[part]:
             valid = ", ".join(_KINDS[part])
@@ -162,13 +167,18 @@ class Fault:
 
     @property
     def part(self) -> str:
-        """`joint`, `encoder`, `localiser`, `platform`, `gripper` or `ranges`."""
+        """`joint`, `encoder`, `localiser`, `platform`, `gripper`, `ranges`, `hand` or `payload`."""
         return self.target.partition("/")[0]
 
     @property
     def index(self) -> int:
         """Of the joint or range sensor, counting from 0; -1 for all that is not numbered."""
         return int(self.target.partition("/")[2] or 0) - 1
+
+    @property
+    def is_force(self) -> bool:
+        """Whether it is a force on the robot, which only a plant with forces can simulate."""
+        return self.part in ("hand", "payload")
 
     def check(self, robot: Robot) -> None:
         """Raise `FaultError` when that robot cannot have this fault."""

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from plant.effects import Effects, Sighting
-from plant.faults import Fault
+from plant.faults import Fault, FaultError
 from plant.grasp import Grasp
 from plant.kinematics import ArmPose, kinematics_of
 from plant.motion import State, arc, step
@@ -34,7 +34,7 @@ class KinematicPlant(Plant):
             FaultError: The robot cannot have one of the faults.
         """
         super().__init__(setup)
-        self._state = _read_only(_start(setup))
+        self._state = _read_only(start_of(setup))
         self._commands = Commands(np.zeros(setup.robot.n), np.zeros(setup.robot.base_speeds))
         self._kinematics = kinematics_of(setup.robot)
         self._drives = setup.robot.drive is not None
@@ -60,11 +60,17 @@ class KinematicPlant(Plant):
         return self._effects.faults
 
     def check_fault(self, fault: Fault) -> None:
-        """Raise `FaultError` for a fault that the robot has no part for."""
+        """Raise `FaultError` for a fault that the robot has no part for, and for forces."""
         fault.check(self.robot)
+        if fault.is_force:
+            raise FaultError(
+                f"{fault}: this plant knows no forces; "
+                "`plant: {class: plant.mujoco:MujocoPlant}` in a deployment does"
+            )
 
     def inject(self, fault: Fault) -> None:
         """Let a fault begin now, or end with kind `ok`; raise `FaultError` like `check_fault`."""
+        self.check_fault(fault)
         self._effects.inject(fault, self._state, self._sighting)
 
     def write(self, commands: Commands) -> None:
@@ -176,8 +182,8 @@ def _of_single(readings: Readings) -> Readings:
     return Readings(t, numbers(q), numbers(qd), position, rotation, base)
 
 
-def _start(setup: Setup) -> State:
-    """Return the state at time 0, or raise `RobotError`."""
+def start_of(setup: Setup) -> State:
+    """Return the state of a simulated robot at time 0, or raise `RobotError`."""
     robot, period = setup.robot, setup.period
     q = np.array(setup.q, dtype=np.float64)
     base = np.zeros(3) if setup.base is None else np.asarray(setup.base, dtype=np.float64)

@@ -50,6 +50,8 @@ _WRITTEN: dict[Unit, tuple[str, float]] = {  # the unit people write, and how mu
     "rad": ("deg", 180.0 / math.pi),
     "m": ("mm", 1e3),
     "s": ("ms", 1e3),
+    "kg": ("kg", 1.0),
+    "N": ("N", 1.0),
     "1": ("", 1.0),
 }
 _QUANTITY = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(.*?)\s*", re.DOTALL)
