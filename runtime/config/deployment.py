@@ -10,6 +10,7 @@ from typing import Annotated, ClassVar, Literal, NamedTuple
 import yaml
 
 from agents.agent import Agent
+from plant.faults import Fault, FaultError
 from plant.plant import Plant
 from plant.world import WorldObject
 from runtime.config.chaos import LAUNCHER, WATCHER, ChaosEvent, RandomChaos
@@ -260,10 +261,23 @@ class Deployment:
             roles = (*self.roles, LAUNCHER, WATCHER) if event.kill or event.hang else self.roles
             if event.role not in (None, *roles):
                 raise node.find("chaos", index, event.action).error(_nobody(event.role, roles))
+        self._check_faults(node)
         for index, role in enumerate(self.random_chaos.roles if self.random_chaos else ()):
             if role not in self.chaos_targets:
                 here = node.find("random_chaos", "roles", index)
                 raise here.error(_nobody(role, self.chaos_targets))
+
+    def _check_faults(self, node: YamlNode) -> None:
+        """Refuse a fault that the plant cannot be given, in a process that has its class."""
+        faults = {i: event.fault for i, event in enumerate(self.chaos) if event.fault is not None}
+        if not faults or not self.plant.class_.is_loaded:
+            return
+        plant = self.build_plant()
+        for index, fault in faults.items():
+            try:
+                plant.check_fault(Fault.parse(fault, plant.robot))
+            except FaultError as error:
+                raise node.find("chaos", index, "fault").error(str(error)) from error
 
     def dump(self) -> str:
         """Return YAML that loads to an equal deployment in any folder, including defaults."""

@@ -3,7 +3,7 @@
 import time
 from collections import deque
 from collections.abc import Mapping
-from contextlib import closing
+from contextlib import ExitStack
 
 from plant.errors import MsmaError
 from plant.faults import Fault
@@ -59,7 +59,9 @@ class PlantNode(Node):
     def run(self, context: Context) -> None:
         """Move in real time until the run's duration is over."""
         self._plant.open()
-        with closing(self._plant):
+        with ExitStack() as ending:
+            ending.callback(self._log_contacts)  # those that are over once it is closed
+            ending.callback(self._plant.close)
             pacer = Pacer(self._period / self._speed)
             self._wait_for_the_first_command(pacer)
             if self._ended():
@@ -100,8 +102,7 @@ class PlantNode(Node):
         commands, ages = self._arbiter.commands_at(self._process.t)
         self._plant.write(commands)
         self._plant.step()
-        for t, part, other, force in self._plant.contacts():
-            self._process.log.write(t, "contact", part=part, object=other, force=force)
+        self._log_contacts()
         self._goal.update(now)
         self._publish()
         self._log_motion(ages)
@@ -145,6 +146,10 @@ class PlantNode(Node):
 
     def _log_motion(self, ages: list[float | None]) -> None:
         self._process.log.line(self._motion_log.line(self._plant.truth(), self._readings, ages))
+
+    def _log_contacts(self) -> None:
+        for t, part, other, force in self._plant.contacts():
+            self._process.log.write(t, "contact", part=part, object=other, force=force)
 
     def _publish_the_end(self) -> None:
         """Go on publishing the last state for a moment."""

@@ -18,7 +18,7 @@ from runtime.results.run_log import RunLog
 
 SETTLING = 2.0
 """Plant time [s] that the hand has to reach the path: errors count from then on."""
-_STILL = 1e-6  # [m/s]: what is slower is rounding
+_GIVES_WAY = 1e-3  # [m] by which wheels may roll back under the arm that they carry
 
 
 @dataclass(frozen=True)
@@ -51,12 +51,14 @@ class PlatformMotion:
 
     Attributes:
         least_speed: Smallest linear velocity [m/s]; negative if it went backwards.
+        backwards: How far it went backwards in all [m].
         heading: In the world [rad].
         to_hand: Direction from the arm's first axis to the hand, relative to the heading [rad].
         arm_yaw: That of joint 1, wrapped to half a turn either way [rad].
     """
 
     least_speed: float
+    backwards: float
     heading: float
     to_hand: float
     arm_yaw: float
@@ -64,7 +66,7 @@ class PlatformMotion:
     @property
     def reversed(self) -> bool:
         """Whether it ever went backwards."""
-        return self.least_speed < -_STILL
+        return self.backwards > _GIVES_WAY
 
 
 @dataclass(frozen=True)
@@ -177,8 +179,10 @@ def _platform(log: RunLog, robot: Robot) -> PlatformMotion:
     base, q = log.base[-1], log.q[-1]
     pose = Kinematics(robot).forward(q, base)
     x, y, _ = pose.tip - pose.points[0]
+    speed = log.base_velocity[:, 0]
     return PlatformMotion(
-        least_speed=float(log.base_velocity[:, 0].min()),
+        least_speed=float(speed.min()),
+        backwards=float(np.maximum(-speed[1:], 0.0) @ np.diff(log.t)),
         heading=float(base[2]),
         to_hand=math.remainder(math.atan2(y, x) - base[2], math.tau),
         arm_yaw=math.remainder(q[0], math.tau),
