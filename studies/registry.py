@@ -23,6 +23,7 @@ STUDIES = {
     "held-out": "studies.held_out:HeldOut",
     "poses": "studies.poses:Poses",
     "ablation": "studies.ablation:Ablation",
+    "physics": "studies.physics:Physics",
     "mobile-live": "studies.mobile_live:MobileLive",
 }
 """`module:Class` by name, in the order of the paper."""
