@@ -264,9 +264,17 @@ def check_printable(*texts: str) -> None:
             raise MessageError(Reason.WRONG_TYPE, f"wanted a printable text, got {text[:100]!r}")
 
 
-for _kind in Message.__subclasses__():  # the first look of msgspec at a kind of message is for
-    with suppress(ValidationError):  # one thread only: a second one would crash the process
-        convert({}, _kind)
+def first_look(*kinds: type[Message]) -> None:
+    """Let msgspec look at kinds of messages, before several threads unpack them.
+
+    The first look is for one thread only: a second one would crash the process.
+    """
+    for kind in kinds:
+        with suppress(ValidationError):
+            convert({}, kind)
+
+
+first_look(*Message.__subclasses__())
 
 
 def pack(message: Message) -> bytes:

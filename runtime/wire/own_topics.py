@@ -7,7 +7,6 @@ travels as `nil`.
 
 import dataclasses
 import math
-from contextlib import suppress
 from typing import Annotated, Any, ClassVar, Self, cast, get_args, get_origin, get_type_hints
 
 import msgspec
@@ -15,7 +14,14 @@ from msgspec import Meta
 from msgspec.structs import astuple
 
 from plant.plant import Sensor
-from runtime.wire.messages import MOST_NUMBERS, Message, Number, check_printable, nil_for_nan
+from runtime.wire.messages import (
+    MOST_NUMBERS,
+    Message,
+    Number,
+    check_printable,
+    first_look,
+    nil_for_nan,
+)
 from runtime.wire.topics import PLANT, ContractError, Topic
 
 _TAKEN = ("t", "by", "n")
@@ -83,8 +89,7 @@ def message_of(reading: type, key: str = "") -> type[ReadingMessage]:
         frozen=True,
         gc=False,
     )
-    with suppress(msgspec.ValidationError):  # as in `messages`
-        msgspec.convert({}, message)
+    first_look(message)
     return cast(type[ReadingMessage], message)
 
 

@@ -83,7 +83,9 @@ def access_list(robot: str, roles: Sequence[str], contract: Contract = STANDARD)
     - all names may subscribe, see liveliness tokens, and query diagnostics;
     - a role may publish its own topics by the wire contract, declare its own liveliness token,
       and answer queries to itself;
-    - operators may query anything below `ctl`, and publish the goal.
+    - operators may query anything below `ctl`, and publish the goal;
+    - the page may publish the goal, and release the robot and choose its mode;
+    - everybody may halt it.
 
     A rule covers a message if its keys include all of the message's, so a wildcard that reaches
     beyond a role's own keys is refused as a whole. Zenoh sees keys below the robot's name.
@@ -95,7 +97,13 @@ def access_list(robot: str, roles: Sequence[str], contract: Contract = STANDARD)
         (everybody, "ingress", ["query"], [topics.EVERY_DIAG]),
         ([OPERATOR], "ingress", ["query"], [topics.EVERY_CONTROL]),
         ([OPERATOR], "ingress", ["put"], [topics.GOAL]),
+        (everybody, "ingress", ["query"], [topics.HALT]),
     ]
+    if topics.PAGE in roles:
+        allowed += [
+            ([topics.PAGE], "ingress", ["put"], [topics.GOAL]),
+            ([topics.PAGE], "ingress", ["query"], [topics.RELEASE, topics.MODE]),
+        ]
     for role in roles:
         answers = [f"ctl/{role}/*", topics.diag(role)]
         allowed += [

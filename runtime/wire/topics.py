@@ -23,9 +23,12 @@ from runtime.wire.messages import (
     PlatformPose,
     RangesMessage,
 )
+from runtime.wire.operator_messages import JogMessage, OperatorState
 
 PLANT, GOAL_SOURCE, PLATFORM_AGENT = "plant", "goal", "platform"
 GRIPPER_AGENT = "gripper"
+PAGE = "hmi"
+"""The role of the node by which a person drives the robot."""
 
 HAND = "arm/ee_pose"
 JOINTS = "arm/joint_states"
@@ -37,6 +40,8 @@ GRIPPER = "gripper/state"
 GRIPPER_COMMAND = "gripper/cmd"
 GOAL = "goal"
 KNOWN_GOAL = "goal/known"
+JOG = "operator/jog"
+OPERATOR_STATE = "operator/known"
 EVERY_DIAG = "diag/**"
 
 
@@ -79,6 +84,8 @@ TOPICS = (
     Topic(GRIPPER_COMMAND, GripperCommand, GRIPPER_AGENT, rate="answers each state"),
     Topic(GOAL, GoalMessage, GOAL_SOURCE, "goal", rate="each period, at most 100 Hz"),
     Topic(KNOWN_GOAL, GoalMessage, PLANT, "goal", "at most 20 Hz", express=False, recorded=False),
+    Topic(JOG, JogMessage, PAGE, rate="20 Hz while something is held"),
+    Topic(OPERATOR_STATE, OperatorState, PLANT, rate="each period, at most 20 Hz", express=False),
     Topic(EVERY_DIAG, Diag, "**", rate="1 Hz", urgent=False, express=False),
 )
 """The topics of every robot."""
@@ -144,6 +151,7 @@ STANDARD = Contract()
 """The contract of a robot whose plant and nodes add no topics."""
 
 FAULT = "ctl/plant/fault"
+HALT, RELEASE, MODE = "ctl/plant/halt", "ctl/plant/release", "ctl/plant/mode"
 EVERYBODY_ALIVE = "alive/**"
 EVERY_CONTROL = "ctl/**"
 

@@ -17,14 +17,21 @@ from runtime.wire.security import OPERATOR, Credentials, names
 from tests.ports import reserve_any
 from tests.runtime.conftest import wait_for
 
-ROLES = ("plant", "goal", "joint/1", "joint/2", "platform")
+ROLES = ("plant", "goal", "joint/1", "joint/2", "platform", "hmi")
 NAMES = names(ROLES)
 PUTS = {
-    "plant": {topics.HAND, topics.JOINTS, topics.PLATFORM, topics.KNOWN_GOAL},
+    "plant": {
+        topics.HAND,
+        topics.JOINTS,
+        topics.PLATFORM,
+        topics.KNOWN_GOAL,
+        topics.OPERATOR_STATE,
+    },
     "goal": {topics.GOAL},
     "joint/1": {topics.joint_command(1)},
     "joint/2": {topics.joint_command(2)},
     "platform": {topics.PLATFORM_COMMAND},
+    "hmi": {topics.GOAL, topics.JOG},
     OPERATOR: {topics.GOAL},
 }
 CONTRACT = set().union(*PUTS.values()) | {topics.diag(role) for role in ROLES}
@@ -184,6 +191,27 @@ def test_only_an_operator_may_give_orders(
             answers = bus.ask(question, name.encode(), timeout=1.0)
             assert any(answer.agreed for answer in answers) == (name == OPERATOR), name
     assert set(asked_by) == {OPERATOR}
+
+
+def test_everybody_may_halt_and_the_page_and_operators_may_end_that(
+    plant: Bus, members: dict[str, Bus]
+) -> None:
+    asked_by: dict[str, set[str]] = {topics.HALT: set(), topics.RELEASE: set(), topics.MODE: set()}
+    with ExitStack() as stack:
+        for key, names_of in asked_by.items():
+
+            def on_query(query: zenoh.Query, key: str = key, by: set[str] = names_of) -> None:
+                assert query.payload is not None
+                by.add(query.payload.to_string())
+                query.reply(key, b"plant")
+
+            stack.enter_context(plant._session.declare_queryable(key, on_query))
+        wait_for(lambda: asked(members[OPERATOR], topics.MODE, b"operator"), "an answer")
+        for name, bus in members.items():
+            for key in asked_by:
+                bus.ask(key, name.encode(), timeout=1.0)
+    assert asked_by[topics.HALT] == set(NAMES)
+    assert asked_by[topics.RELEASE] == asked_by[topics.MODE] == {"hmi", OPERATOR}
 
 
 def test_all_but_strangers_may_ask_how_others_are(plant: Bus, members: dict[str, Bus]) -> None:

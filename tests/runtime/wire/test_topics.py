@@ -56,9 +56,10 @@ def test_each_key_has_its_message() -> None:
             "plant",
             {
                 *("arm/ee_pose", "arm/joint_states", "platform/pose", "platform/ranges"),
-                *("goal/known", "gripper/state", "diag/plant"),
+                *("goal/known", "gripper/state", "operator/known", "diag/plant"),
             },
         ),
+        ("hmi", {"operator/jog", "diag/hmi"}),
         ("joint/2", {"arm/joint/2/cmd", "diag/joint/2"}),
         ("joint", {"diag/joint"}),
         ("platform", {"platform/cmd", "diag/platform"}),

@@ -63,6 +63,8 @@ def _shape(kind: types.Type) -> str:
             return "number"
         case types.IntType():
             return "count"
+        case types.BoolType():
+            return "true or false"
         case types.StrType():
             return "text"
         case types.BoolType():
