@@ -11,6 +11,16 @@ class RunError(MsmaError, RuntimeError):
     """A failure at run time, or a run that does not exist: exit code 1."""
 
 
+class NotConfirmed(RunError):
+    """No plant has said in time that it has acted on a request."""
+
+    def __init__(self, timeout: float) -> None:
+        super().__init__(
+            f"NOT CONFIRMED: no plant has answered within {timeout:g} s, and the robot may go on "
+            f"as before: use the hardware stop"
+        )
+
+
 def exit_code(run: Callable[[], int]) -> int:
     """Return the exit code of a command; print an error as one line without a traceback.
 

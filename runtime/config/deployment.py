@@ -34,7 +34,7 @@ from runtime.errors import valid_are
 from runtime.processes.log_writer import LOG_MEGABYTES
 from runtime.wire.mesh import FIRST_COPY, LOOPBACK, SLOTS, Mesh, port_base
 from runtime.wire.security import Credentials
-from runtime.wire.topics import PLANT, Contract, ContractError, Topic, file_name
+from runtime.wire.topics import PAGE, PLANT, Contract, ContractError, Topic, file_name
 
 Name = Annotated[str, Text("arph", "a robot's name", "[A-Za-z0-9][A-Za-z0-9_-]{0,63}")]
 Scheduling = Literal["auto", "normal", "realtime"]
@@ -143,6 +143,16 @@ class Deployment:
         """The processes by their roles."""
         every: tuple[Spec | None, ...] = (self.plant, self.goal, *self.agents, *self.nodes)
         return {spec.role: spec for spec in every if spec is not None}
+
+    @property
+    def has_page(self) -> bool:
+        """Whether a person can drive it by a page of its own."""
+        return PAGE in self.roles
+
+    @property
+    def first_mode(self) -> Literal["rest", "automatic"]:
+        """The mode in which its plant starts."""
+        return self.start.mode or ("rest" if self.has_page else "automatic")
 
     @property
     def chaos_targets(self) -> tuple[str, ...]:

@@ -4,7 +4,7 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
 
@@ -119,12 +119,18 @@ class Start:
     Attributes:
         joints: Position of each joint [rad or m]; by default 0, clipped to the limits.
         platform: Pose of the platform in the world: x [m], y [m], heading [rad]; None without one.
+        mode: Whether its agents move it from the start on; by default they do, unless it has a page
+            (a node in the role hmi), by which a person then chooses.
+        rest_after: Plant time in automatic mode after which it is at rest, until a person chooses
+            [s]; by default it goes on.
     """
 
     joints: Annotated[tuple[Position, ...], Derived(_home)]
     platform: Annotated[tuple[Metres, Metres, Radians] | None, Derived(
         lambda scope: (0.0, 0.0, 0.0) if scope["description"].robot.drive else None
     )]  # fmt: skip
+    mode: Literal["rest", "automatic"] | None = None
+    rest_after: Annotated[float, Quantity("24 s", "s", above=0)] | None = None
 
     @property
     def base(self) -> tuple[float, float, float]:

@@ -11,13 +11,20 @@ from runtime.processes.process import Process
 from runtime.wire import topics
 from runtime.wire.arbitration import TopicInput
 from runtime.wire.messages import LIMIT, GoalMessage, JointStates
+from runtime.wire.operator_messages import OperatorState
 
 _NEWEST = 2  # of a kind that is seen, so that a stray message hides no sound one
 _SHORTEST = 0.01  # [s] between two messages, however fast the plant is
+_KNOWN = 0.2  # [s] after a message about the mode for which its plant counts: four times its period
 
 
 class GoalNode(Node):
-    """Publishes the goal on its path, once a control period but at most 100 times a second."""
+    """Publishes the goal on its path, once a control period but at most 100 times a second.
+
+    It is silent while the plant is not in automatic mode, or a person who drives would have it for
+    a rival; its path then goes on from where it was. A plant that says nothing of its mode obeys
+    agents only, unless the robot has a page.
+    """
 
     def __init__(self, process: Process, path: Path) -> None:
         deployment = process.deployment
@@ -26,6 +33,9 @@ class GoalNode(Node):
         self._ring = process.bus.ring(topics.JOINTS, depth=1)
         fresh = freshness(deployment.period, deployment.speed)
         self._plant = TopicInput(topics.JOINTS, JointStates, fresh, process.refusals)
+        self._modes = process.bus.ring(topics.OPERATOR_STATE, depth=1)
+        known = topics.OPERATOR_STATE, OperatorState, _KNOWN, process.refusals
+        self._known = TopicInput(*known)
         self._out = process.bus.publisher(topics.GOAL)
         seen = [row for row in topics.TOPICS if row.percept in path.sees and row.key != topics.GOAL]
         self._rings = [process.bus.ring(row.key, _NEWEST) for row in seen]
@@ -38,8 +48,11 @@ class GoalNode(Node):
             arrival = self._ring.recv()
             now = time.monotonic()
             if self._plant.accept(arrival.data, now) and (states := self._plant.fresh(now)):
-                if self._observes(now):
-                    self._publish(states.t, now)
+                self._process.t = states.t
+                self._process.clock.seen(states.t, now)
+                paused = self._paused(now)
+                if self._observes(now) and paused is not None:
+                    self._publish(states.t, paused)
                 spent = time.monotonic() - now
                 self.work.add(spent)
                 time.sleep(max(_SHORTEST - spent, 0.0))
@@ -54,16 +67,33 @@ class GoalNode(Node):
         percepts = self._senses.percepts(now)
         return percepts is not None and self._path.observe(percepts)
 
-    def _publish(self, t: float, now: float) -> None:
-        self._process.t = t
-        self._process.clock.seen(t, now)
-        self.state = "runs" if t < self._path.end else "has reached the end of its path"
-        goal = self._path.piece(t)
+    def _paused(self, now: float) -> float | None:
+        """Return by how much the path is late [s, plant time]; None if the goal is not its own.
+
+        A path that sees how far the robot has come needs no such shift.
+        """
+        for arrival in self._modes.waiting(1):
+            self._known.accept(arrival.data, now)
+        source = self._known.selected(now)
+        if source is None:
+            is_automatic, paused = not self._process.deployment.has_page, 0.0
+        else:
+            is_automatic, paused = source.message.mode == "automatic", source.message.paused
+        if not is_automatic:
+            self.state = "waits for automatic mode"
+            return None
+        return 0.0 if self._rings else paused
+
+    def _publish(self, t: float, paused: float) -> None:
+        """Publish the piece of the path that is in force at plant time `t` [s]."""
+        on_path = t - paused
+        self.state = "runs" if on_path < self._path.end else "has reached the end of its path"
+        goal = self._path.piece(on_path)
         position, velocity = tuple(goal.position.tolist()), tuple(goal.velocity.tolist())
         orientation, angular_velocity = (
             None if row is None else tuple(row.tolist())
             for row in (goal.orientation, goal.angular_velocity)
         )
         turning = orientation, angular_velocity, goal.free, goal.grip
-        until = min(goal.until, LIMIT)
-        self._out.send(GoalMessage(t, position, velocity, goal.since, until, *turning))
+        since, until = goal.since + paused, min(goal.until + paused, LIMIT)
+        self._out.send(GoalMessage(t, position, velocity, since, until, *turning))

@@ -11,6 +11,7 @@ from runtime.processes.command_arbiter import EXPRESSIONS, CommandArbiter
 from runtime.processes.lifetime import FAILED
 from runtime.processes.meters import AnswerTimes
 from runtime.processes.node import Context, Node
+from runtime.processes.operator_input import OperatorInput
 from runtime.processes.process import Process
 from runtime.processes.state_publisher import GoalMemory, MotionLog, StatePublisher
 from runtime.processes.timing import Pacer
@@ -25,7 +26,7 @@ _ENDING = 0.5  # [s] for which the last state is published, so that all processe
 class PlantNode(Node):
     """Each period: takes commands, writes them to the plant, and publishes what its sensors read.
 
-    A run begins with the first valid command.
+    A run begins with the first valid command; one that starts at rest, at once.
     """
 
     def __init__(self, process: Process, answers: AnswerTimes | None = None) -> None:
@@ -47,10 +48,11 @@ class PlantNode(Node):
         self._publisher = StatePublisher(process.bus, self._plant.sensors)
         self._motion_log = MotionLog(robot)
         self._goal = GoalMemory(process.bus, process.refusals)
+        self._operator = OperatorInput(process, self._goal, self._note_mode)
         self._faults: deque[Fault] = deque()
         self._commands = process.bus.sample_queue(*EXPRESSIONS)
         process.bus.answer(topics.FAULT, self._on_fault)
-        self.state = "waits for the agents"
+        self.state, self._mode = "waits for the agents", "runs"
 
     def answers(self) -> Mapping[str, Spread]:
         """Return the latency of each agent."""
@@ -66,7 +68,7 @@ class PlantNode(Node):
             self._wait_for_the_first_command(pacer)
             if self._ended():
                 return
-            self.state = "runs"
+            self.state = self._mode
             if self._plant.truth() is None:
                 what = "what the sensors measure"
                 self._process.log.write(self._process.t, "no truth", logged=what)
@@ -88,6 +90,9 @@ class PlantNode(Node):
         began = now = time.monotonic()
         self._readings = self._plant.read()
         while not self._ended() and not self._take_commands(now):
+            self._operator.update(now, self._readings.t)
+            if not self._operator.is_automatic:
+                return
             if now - began > patience:
                 self._process.ending.ask(f"no agent sent a command for {patience:g} s", FAILED)
                 return
@@ -99,7 +104,9 @@ class PlantNode(Node):
         """Go on by one period, and publish the state that this leads to."""
         self._take_commands(now)
         self._inject_faults()
+        self._operator.update(now, self._process.t)
         commands, ages = self._arbiter.commands_at(self._process.t)
+        commands, ages = self._operator.commands(commands, ages, self._readings, now)
         self._plant.write(commands)
         self._plant.step()
         self._log_contacts()
@@ -144,6 +151,12 @@ class PlantNode(Node):
     def _log_change(self, role: str, by: int) -> None:
         self._process.log.write(self._process.t, "obeys", role=role, by=f"{by:x}")
 
+    def _note_mode(self, what: str) -> None:
+        """Show people who moves the robot."""
+        self._mode = what
+        if self.state != "waits for the agents":
+            self.state = what
+
     def _log_motion(self, ages: list[float | None]) -> None:
         self._process.log.line(self._motion_log.line(self._plant.truth(), self._readings, ages))
 
@@ -156,6 +169,7 @@ class PlantNode(Node):
         self.state = "has reached the end"
         pacer = Pacer(min(self._period / self._speed, _ENDING / 10))
         until = time.monotonic() + _ENDING
-        while pacer.wait(self._ended) < until and not self._ended():
+        while (now := pacer.wait(self._ended)) < until and not self._ended():
+            self._operator.update(now, self._readings.t)
             self._publisher.publish(self._readings)
         self._process.ending.ask("the run is over")

@@ -109,6 +109,10 @@ class GoalMemory:
         if last is not None:
             self._publisher.send(last.message)
 
+    def another_publishes(self, by: int, now: float) -> bool:
+        """Return whether anybody but incarnation `by` publishes a goal `now` [s]."""
+        return self._input.is_fresh_beside(by, now)
+
 
 class MotionLog:
     """Formats the motion of one period as a line of JSON, in a few microseconds."""

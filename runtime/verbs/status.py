@@ -10,7 +10,7 @@ from setproctitle import setproctitle
 
 from runtime.watching.discovery import add_target_options, target_of, visit
 from runtime.watching.local import silent_roles, watcher_title
-from runtime.watching.table import HEADINGS, cells, columns, distance
+from runtime.watching.table import HEADINGS, cells, columns, distance, who_moves
 from runtime.watching.watcher import View, Watcher
 
 _FRAME, _LEAST = 0.25, 0.01
@@ -67,7 +67,7 @@ def _watch(watcher: Watcher) -> None:
 
 def _text(robot: str, view: View, silent: Mapping[str, str]) -> str:
     now = time.monotonic()
-    lines = [f"{robot}: {view.t:.2f} s, hand {distance(view.error)} off"]
+    lines = [f"{robot}: {view.t:.2f} s, hand {distance(view.error)} off{who_moves(view)}"]
     lines += columns([HEADINGS, *(cells(row, now) for row in view.rows)])
     lines += [f"{role}: {how}" for role, how in silent.items()]
     for row in view.rows:
@@ -85,5 +85,6 @@ def _json(robot: str, view: View, silent: Mapping[str, str]) -> str:
         diag = {} if row.diag is None else asdict(row.diag)
         processes.append(process | {k: v for k, v in diag.items() if k not in ("work", "answers")})
     seen = {"t": view.t, "hand": view.hand, "goal": view.goal, "error": view.error}
-    plain = {"robot": robot, **seen, "processes": processes, "silent": silent}
+    gate = None if view.gate is None else asdict(view.gate)
+    plain = {"robot": robot, **seen, "gate": gate, "processes": processes, "silent": silent}
     return json.dumps(plain, indent=2)

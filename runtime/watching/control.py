@@ -1,12 +1,26 @@
 """What can be asked of the processes of a run and done to them, by verbs, chaos and others."""
 
+import time
+from typing import NamedTuple
+
 from plant.faults import FaultError
-from runtime.errors import RunError
+from runtime.errors import NotConfirmed, RunError
 from runtime.spawning.local import ProcessGroup
 from runtime.wire import topics
 from runtime.wire.bus import Bus
+from runtime.wire.messages import unpack_valid
+from runtime.wire.operator_messages import OperatorState
 
 _ANSWER = 1.0  # [s] to wait for the answer to a request
+_CONFIRMED = 0.5  # [s] after which a request to halt, release or choose a mode is not confirmed
+_PAUSE = 0.01  # [s] between two attempts to ask a plant that is not connected yet
+
+
+class Confirmation(NamedTuple):
+    """What the plant says after it has acted on a request, and how long that took [s]."""
+
+    state: OperatorState
+    after: float
 
 
 class Control:
@@ -31,6 +45,39 @@ class Control:
     def stop(self, role: str = "**") -> bool:
         """Ask all processes of a role to stop, by default all; return whether any agrees."""
         return any(answer.agreed for answer in self._bus.ask(topics.stop(role), b"", self._timeout))
+
+    def halt(self, by: str, timeout: float = _CONFIRMED) -> Confirmation:
+        """Bring the robot to rest and keep it there until it is released; `by` is for people.
+
+        `NotConfirmed` if its plant does not say within `timeout` [s] that it has: it may go on.
+        """
+        return self._confirmed(topics.HALT, by, timeout)
+
+    def release(self, timeout: float = _CONFIRMED) -> Confirmation:
+        """End a halt; the robot stays at rest. `NotConfirmed` as by `halt`."""
+        return self._confirmed(topics.RELEASE, "", timeout)
+
+    def mode(
+        self, mode: str, limit: float | None = None, timeout: float = _CONFIRMED
+    ) -> Confirmation:
+        """Choose who moves the robot, and how fast near people [m/s], by default as before.
+
+        `RunError` if its plant refuses that, `NotConfirmed` as by `halt`.
+        """
+        text = mode if limit is None else f"{mode} {limit!r}"
+        return self._confirmed(topics.MODE, text, timeout)
+
+    def _confirmed(self, key: str, text: str, timeout: float) -> Confirmation:
+        """Ask until the plant has answered: all these requests may be repeated."""
+        began = time.monotonic()
+        while (left := began + timeout - time.monotonic()) > 0:
+            for answer in self._bus.ask(key, text.encode(), left):
+                if not answer.agreed:
+                    raise RunError(answer.data.decode(errors="replace"))
+                if (state := unpack_valid(OperatorState, answer.data)) is not None:
+                    return Confirmation(state, time.monotonic() - began)
+            time.sleep(_PAUSE)
+        raise NotConfirmed(timeout)
 
     def fault(self, text: str) -> str:
         """Ask the plant for a fault, such as `joint/1:locked`, and return its answer.

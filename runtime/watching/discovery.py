@@ -121,13 +121,18 @@ def _anything_connects(bus: Bus, target: Target) -> bool:
     return there
 
 
+def join(target: Target) -> Bus:
+    """Join the bus of a robot as a tool, and do not wait for its processes to connect."""
+    place, incarnation = target.mesh.visitor(), random.getrandbits(63)
+    return Bus(target.robot, "a tool", place, incarnation, target.credentials)
+
+
 @contextmanager
 def visit(target: Target) -> Iterator[Bus]:
     """Join the bus of a running robot as a tool; `RunError` if nothing runs there."""
-    mesh = target.mesh
-    incarnation = random.getrandbits(63)
-    with Bus(target.robot, "a tool", mesh.visitor(), incarnation, target.credentials) as bus:
+    with join(target) as bus:
         if not _anything_connects(bus, target):
+            mesh = target.mesh
             where = f"ports {mesh.base} and up of {', '.join(mesh.addresses)}"
             hint = "" if target.credentials else f"; {_BY_FILE}"
             raise RunError(f"nothing of robot {target.robot} runs ({where}){hint}")

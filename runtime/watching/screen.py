@@ -8,7 +8,7 @@ from rich.progress_bar import ProgressBar
 from rich.table import Column, Table
 from rich.text import Text
 
-from runtime.watching.table import HEADINGS, cells, distance, say
+from runtime.watching.table import HEADINGS, cells, distance, say, who_moves
 from runtime.watching.watcher import View
 
 _LINE = 1.0  # [s] between two plain lines
@@ -77,7 +77,7 @@ def picture(view: View, duration: float | None) -> RenderableType:
 def _progress(view: View, duration: float | None) -> str:
     of = "" if duration is None else f" of {duration:g}"
     error, worst = distance(view.error), distance(view.worst)
-    return f"{view.t:6.2f}{of} s  hand {error} off, worst {worst}"
+    return f"{view.t:6.2f}{of} s  hand {error} off, worst {worst}{who_moves(view)}"
 
 
 def _event(t: float, text: str) -> str:

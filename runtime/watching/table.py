@@ -6,6 +6,7 @@ import sys
 from collections.abc import Sequence
 
 from runtime.watching.roster import Row
+from runtime.watching.watcher import View
 from runtime.wire.messages import Spread
 
 HEADINGS = ("role", "pid", "host", "alive", "loop Hz", "answer ms", "refused", "state")
@@ -50,6 +51,11 @@ def distance(metres: float | None) -> str:
     if metres is None:
         return "-"
     return f"{1e3 * metres:.2f} mm" if abs(metres) < 0.1 else f"{metres:.3f} m"
+
+
+def who_moves(view: View) -> str:
+    """Return what to add to a line about a robot that its agents do not move by themselves."""
+    return "" if view.gate is None or view.gate.mode == "automatic" else f", {view.gate.text}"
 
 
 def off(metres: float | None, radians: float = 0.0) -> str:

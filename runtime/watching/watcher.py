@@ -20,6 +20,7 @@ from runtime.wire.messages import (
     Position,
     unpack_valid,
 )
+from runtime.wire.operator_messages import OperatorState
 from runtime.wire.refusals import Refusals
 
 _FRESH = 1.0  # [s] for which a state is shown that is no longer published
@@ -36,6 +37,7 @@ class View(NamedTuple):
         error: The distance between them [m].
         worst: The largest error so far [m], of the moments that were looked at.
         goal_message: The goal that is in force, as it was published.
+        gate: Who moves the robot.
     """
 
     t: float = 0.0
@@ -47,6 +49,7 @@ class View(NamedTuple):
     joints: JointStates | None = None
     platform: PlatformPose | None = None
     goal_message: GoalMessage | None = None
+    gate: OperatorState | None = None
 
 
 class Watcher:
@@ -63,7 +66,9 @@ class Watcher:
         self._hand = TopicInput(topics.HAND, EndEffectorPose, _FRESH, refusals)
         self._platform = TopicInput(topics.PLATFORM, PlatformPose, _FRESH, refusals)
         self._goal = GoalInput(_FRESH, refusals)
-        inputs: list[TopicInput[Any]] = [self._hand, self._platform, *self._goal.inputs.values()]
+        self._gate = TopicInput(topics.OPERATOR_STATE, OperatorState, _FRESH, refusals)
+        inputs: list[TopicInput[Any]] = [self._hand, self._platform, self._gate]
+        inputs += self._goal.inputs.values()
         self._inputs = [(bus.ring(each.key, _AT_ONCE), each) for each in inputs]
         bus.watch_alive(self._on_token)
         bus.subscribe(topics.EVERY_DIAG, self._on_diag)
@@ -108,7 +113,8 @@ class Watcher:
         hand = None if pose is None else pose.position
         goal = None if message is None else goal_at(message, t)
         joints, platform = self.clock.states.fresh(now), self._platform.fresh(now)
-        return View(t, hand, goal, error, self._worst, rows, joints, platform, message)
+        gate = self._gate.fresh(now)
+        return View(t, hand, goal, error, self._worst, rows, joints, platform, message, gate)
 
 
 def goal_at(goal: GoalMessage, t: float) -> Position:

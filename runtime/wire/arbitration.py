@@ -90,6 +90,11 @@ class Arbiter(Generic[M]):
             return None
         return source.message
 
+    def is_fresh_beside(self, by: int, now: float) -> bool:
+        """Return whether any other source than incarnation `by` is fresh `now` [s]."""
+        sources = self._sources.items()
+        return any(now - one.arrived <= self._fresh for other, one in sources if other != by)
+
     def _note_another(self, message: M) -> None:
         """Take note of the first message of a source that comes while another is fresh."""
 

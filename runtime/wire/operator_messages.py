@@ -82,5 +82,14 @@ class OperatorState(Message, frozen=True, gc=False):
     def check(self) -> None:
         check_printable(self.halted_by, self.why)
 
+    @property
+    def text(self) -> str:
+        """What to say of it to people."""
+        if self.halted:
+            return f"halted by {self.halted_by}"
+        if self.mode in ("rest", "automatic"):
+            return "at rest" if self.mode == "rest" else self.mode
+        return f"{self.mode}: {'waits for a press' if self.press is None else 'a press moves it'}"
+
 
 first_look(JogMessage, OperatorState)
