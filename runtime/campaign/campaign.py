@@ -162,6 +162,9 @@ def _end(deployment: Deployment) -> tuple[float, GoalPath]:
     """Return when the runs end [s] and the path by which they are evaluated."""
     if deployment.duration is None or deployment.goal is None:
         raise ConfigError("a campaign needs both `goal` and `duration` to evaluate its runs")
+    if deployment.first_mode != "automatic":
+        what = "its plant starts at rest, and nobody chooses automatic mode"
+        raise ConfigError(f"a campaign of {deployment.robot}: {what}; set start.mode: automatic")
     return deployment.duration, deployment.goal.build()
 
 

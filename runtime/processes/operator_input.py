@@ -56,6 +56,7 @@ class OperatorInput:
         self._limits = (*robot.max_speed.tolist(), *base_limits)
         self._period, self._speed = deployment.period / deployment.speed, deployment.speed
         self._speed_limit = SpeedLimit(robot, deployment.period)
+        self._before: Commands | None = None  # as agents wanted it, until now
         self._file = process.run / "gate.json"
         self.gate = self._first()
         self._told: tuple[object, ...] = ("automatic", None, None)
@@ -157,6 +158,7 @@ class OperatorInput:
         """
         gate = self.gate
         if gate.mode == "automatic":
+            self._before = wanted
             return wanted, ages
         held = gate.held(now)
         nobody: list[float | None] = [None] * len(ages)
@@ -174,7 +176,11 @@ class OperatorInput:
 
     def _limited(self, wanted: Commands, readings: Readings, now: float) -> Commands:
         q, share = numbers(readings.q), self.gate.speed_share(now)
-        return self._speed_limit.limited(wanted, q, self.gate.limit, share)
+        limit, before = self.gate.limit, self._before
+        if before is not None:
+            self._speed_limit.follow(before)
+            self._before = None
+        return self._speed_limit.limited(wanted, q, limit, share)
 
     def _ask(self, act: Callable[[], None]) -> bytes:
         """Have the control loop act on a request, and return the state that follows, packed.

@@ -32,6 +32,8 @@ class Tracking:
         worst_angle: Largest error of the orientation after the settling time [rad].
         within: Share of the time after the settling time spent within the tolerance, 0 to 1.
         since: Plant time from which the error stayed within the tolerance [s]; None if it did not.
+        unfinished: Time that the path had still to go when the robot was brought to rest for good
+            [s]; 0 if it was in automatic mode at the end.
         nearest: Smallest distance from the goal's position that the arm could reach from the
             platform's last pose with all its joints working [m]; None if the goal was reached.
     """
@@ -43,6 +45,7 @@ class Tracking:
     within: float
     since: float | None
     nearest: float | None
+    unfinished: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -118,7 +121,8 @@ class Evaluation:
 def errors(log: RunLog, path: Path) -> Array:
     """Return how far the hand is off the path's goal at each state, (m, 2): see `HandError`."""
     error = np.empty((len(log.t), 2))
-    states = zip(log.t.tolist(), log.hand.tolist(), log.orientation.tolist(), strict=True)
+    on_path = log.on_path()[0].tolist()
+    states = zip(on_path, log.hand.tolist(), log.orientation.tolist(), strict=True)
     for row, (t, hand, orientation) in zip(error, states, strict=True):
         row[:] = hand_error(hand, orientation, aim_at(ONE, path.piece(t), t))
     return error
@@ -153,17 +157,20 @@ def _touched(log: RunLog) -> Iterator[Touched]:
 
 def _tracking(log: RunLog, path: Path, tolerance: Tolerance, robot: Robot) -> Tracking | None:
     error = errors(log, path)
-    seen = ~np.isnan(error).any(axis=-1)
+    on_path, automatic = log.on_path()
+    measured = ~np.isnan(error).any(axis=-1)
+    seen = measured & automatic
     if not seen.any():
         return None
+    last = error[measured][-1]
     error, t = error[seen], log.t[seen]
     settled = t >= min(SETTLING, t[-1])
     near = (error[:, 0] <= tolerance.position) & (error[:, 1] <= tolerance.orientation)
     outside = np.flatnonzero(~near)
     first = int(outside[-1]) + 1 if len(outside) else 0
-    place = aim_at(ONE, path.piece(log.t[-1]), log.t[-1])._replace(turn=None)
+    place = aim_at(ONE, path.piece(on_path[-1]), on_path[-1])._replace(turn=None)
     q = np.nan_to_num(log.q[-1])  # of a lost encoder any angle will do
-    final, worst = error[-1].tolist(), error[settled].max(axis=0).tolist()
+    final, worst = last.tolist(), error[settled].max(axis=0).tolist()
     return Tracking(
         final=final[0],
         worst=worst[0],
@@ -171,7 +178,10 @@ def _tracking(log: RunLog, path: Path, tolerance: Tolerance, robot: Robot) -> Tr
         worst_angle=worst[1],
         within=float(np.mean(near[settled])),
         since=float(t[first]) if first < len(t) else None,
-        nearest=None if near[-1] else smallest_error(robot, place, log.base[-1], q).distance,
+        unfinished=0.0 if automatic[-1] else max(path.end - on_path[-1], 0.0),
+        nearest=None
+        if tolerance.allows(*final)
+        else smallest_error(robot, place, log.base[-1], q).distance,
     )
 
 

@@ -29,7 +29,8 @@ def draw(log: RunLog, deployment: Deployment, events: Sequence[RunEvent], file: 
     """Write the plot of a run as PNG."""
     thin = np.unique(np.linspace(0, len(log.t) - 1, _POINTS).astype(int))
     path = None if deployment.goal is None else deployment.goal.build()
-    goal = None if path is None else np.array([path.piece(t).at(t) for t in log.t[thin].tolist()])
+    on_path = log.on_path()[0][thin].tolist()
+    goal = None if path is None else np.array([path.piece(t).at(t) for t in on_path])
     figure = Figure(figsize=(10, 7), layout="constrained")
     FigureCanvasAgg(figure)
     figure.suptitle(f"{deployment.robot}: {log.t[-1]:g} s at a period of {deployment.period:g} s")

@@ -10,6 +10,7 @@ from typing import Any
 
 import msgspec
 import numpy as np
+import numpy.typing as npt
 
 from agents.agent import Array
 from plant.errors import MsmaError
@@ -67,6 +68,30 @@ class RunLog:
     def is_whole(self) -> bool:
         """Whether no motion was dropped because the log had reached its limit."""
         return all(event["event"] != DROPPED for event in self.events)
+
+    @property
+    def modes(self) -> Sequence[Mapping[str, Any]]:
+        """The changes of the gate but those of a press; without any, all was automatic."""
+        before: tuple[str, str | None] = "automatic", None
+        changes = []
+        for event in self.events:
+            if event["event"] == "gate" and (event["mode"], event["halted_by"]) != before:
+                before = event["mode"], event["halted_by"]
+                changes.append(event)
+        return changes
+
+    def on_path(self) -> tuple[Array, npt.NDArray[np.bool_]]:
+        """Return how far the goal's path had come at each state [s], and where agents were obeyed.
+
+        Outside of automatic mode the path pauses.
+        """
+        path, automatic = self.t.copy(), np.ones(len(self.t), dtype=np.bool_)
+        for event in self.modes:
+            since = int(np.searchsorted(self.t, event["t"] - 1e-9))
+            automatic[since:] = event["mode"] == "automatic"
+            going = self.t[since:] if event["mode"] == "automatic" else event["t"]
+            path[since:] = going - event["paused"]
+        return path, automatic
 
     def arrivals(self, period: float) -> list[Array]:
         """Return when accepted commands arrived [s, plant time], by joint and then platform.

@@ -198,7 +198,11 @@ def _outcome(
         return code, f"the plant ended {when}: {why}"
     if evaluation.tracking is None:
         return OK, f"ran to {evaluation.t:.2f} s"
-    return _reached(evaluation.tracking, evaluation.t, deployment.tolerance)
+    code, headline = _reached(evaluation.tracking, evaluation.t, deployment.tolerance)
+    if evaluation.tracking.unfinished and log.modes:
+        last = log.modes[-1]
+        return MISSED, f"{_mode(last)} since {last['t']:.2f} s, before the path's end; {headline}"
+    return code, headline
 
 
 def _of_share(host: str, outcome: RunOutcome) -> tuple[int, str]:
@@ -230,6 +234,8 @@ def _logged(deployment: Deployment, run: Path, log: RunLog | None) -> Iterator[R
     if not log.is_whole:
         what = "the plant's log begins here: what came before went over `log_megabytes`"
         yield RunEvent(float(log.t[0]), f"{what}, and no figure counts it")
+    for event in log.modes:
+        yield RunEvent(event["t"], _mode(event))
     for event in log.events:
         if event["event"] == "fault":
             yield RunEvent(event["t"], f"fault {event['fault']}")
@@ -237,6 +243,13 @@ def _logged(deployment: Deployment, run: Path, log: RunLog | None) -> Iterator[R
         for again in read_log(run, role, "start")[count:]:
             text = f"{role} was restarted{_recovery(run, log, again)}"
             yield RunEvent(log.t_at(again["wall"]), text)
+
+
+def _mode(event: Mapping[str, Any]) -> str:
+    """Return what to say of a change of the gate."""
+    if event["halted_by"] is not None:
+        return f"halted by {event['halted_by']}"
+    return "at rest" if event["mode"] == "rest" else f"in {event['mode']} mode"
 
 
 def _recovery(run: Path, log: RunLog, started: Mapping[str, Any]) -> str:
