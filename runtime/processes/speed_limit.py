@@ -1,7 +1,8 @@
 """The largest speed of a robot's hand and platform: commands scaled together so that it holds."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from typing import Any
 
 from plant import scalar
 from plant.kinematics import kinematics_of
@@ -88,10 +89,10 @@ class SpeedLimit:
         if any(map(math.isnan, q)):
             return [(lever, 0.0, 0.0) for lever in self._levers]
         pose = self._kinematics.forward_of_one(q, _AT_ORIGIN)
-        x, y, z = pose.tip_parts
+        (x, y, z), _ = pose.tip_of_one
         columns: list[_Vector] = []
-        parts = zip(self._robot.joints, pose.axis_parts, pose.point_parts, strict=True)
-        for joint, (ax, ay, az), (px, py, pz) in parts:
+        parts: Iterable[Any] = zip(pose.axis_parts, pose.point_parts, strict=True)
+        for joint, ((ax, ay, az), (px, py, pz)) in zip(self._robot.joints, parts, strict=True):
             lx, ly, lz = x - px, y - py, z - pz
             turned = ay * lz - az * ly, az * lx - ax * lz, ax * ly - ay * lx
             columns.append((ax, ay, az) if joint.slides else turned)

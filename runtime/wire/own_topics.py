@@ -81,7 +81,7 @@ def message_of(reading: type, key: str = "") -> type[ReadingMessage]:
             what = f"{hints[name]}, wanted float, tuple[float, ...], int, bool or str"
             raise ContractError(key, f"{reading.__name__}.{name} is {what}")
         fields.append((f"{name}_", kind, msgspec.field(name=name)))
-    message = msgspec.defstruct(
+    defined = msgspec.defstruct(
         f"{reading.__name__}Message",
         fields,
         bases=(ReadingMessage,),
@@ -89,8 +89,9 @@ def message_of(reading: type, key: str = "") -> type[ReadingMessage]:
         frozen=True,
         gc=False,
     )
+    message = cast(type[ReadingMessage], defined)
     first_look(message)
-    return cast(type[ReadingMessage], message)
+    return message
 
 
 def _wire_type(kind: Any) -> Any:

@@ -1,0 +1,188 @@
+"""A person near a robot of real processes: whatever dies or hangs, nothing moves without a press.
+
+A node in the role of the page holds down what a file in the run's folder says. All times are of
+the plant, by whose log it is judged, so that a busy machine that delays it changes nothing.
+"""
+
+import json
+import os
+import signal
+from collections.abc import Iterator
+from contextlib import ExitStack
+from typing import Any
+
+import numpy as np
+import pytest
+
+from runtime.results.run_log import RunLog, read_run_log
+from tests.runtime.conftest import ROOT, Robot, wait_for
+
+PAGE = '''
+import json
+from contextlib import suppress
+
+from runtime.processes.node import Context, Node
+from runtime.wire import topics
+from runtime.wire.messages import EndEffectorPose, GoalMessage, unpack_valid
+from runtime.wire.operator_messages import JogMessage
+
+
+class Page(Node):
+    """Publishes what is held by press.json, with the hand's own place and velocity as the goal."""
+
+    def run(self, context: Context) -> None:
+        jogs = context.bus.publisher(topics.JOG)
+        goals = context.bus.publisher(topics.GOAL)
+        hands = context.bus.ring(topics.HAND, 1)
+        while not context.ending.wait(0.05):
+            sample = next(hands.waiting(1), None)
+            hand = sample and unpack_valid(EndEffectorPose, sample.data)
+            with suppress(OSError, ValueError):
+                held = json.loads((context.run / "press.json").read_text())
+                t = hand.t if hand else context.t
+                jogs.send(JogMessage(t, **held))
+                if hand and held["mode"] == "shared":
+                    up = (0.0, 0.0, 0.15)
+                    goals.send(GoalMessage(t, hand.position, up, t, t + 0.5))
+'''
+NODES = "nodes: [{role: hmi, class: own_page:Page}]\n"
+STILL = 1e-4
+"""Slower than this nothing counts as moving [m/s, rad/s]."""
+WITHIN = 0.5
+"""Plant time within which all must be still after the page has gone [s]."""
+FORWARD = {"mode": "manual", "linear": 0.15}
+JOINT = {"mode": "manual", "joints": [0.2, 0.0, 0.0, 0.0, 0.0, 0.0]}
+UP = {"mode": "shared"}
+
+
+class Driven:
+    """A robot with a page, and what is held down there."""
+
+    def __init__(self, robot: Robot) -> None:
+        self.robot = robot
+        (robot.folder / "own_page.py").write_text(PAGE)
+        arph = (ROOT / "deploy" / "arph.yaml").read_text().replace("duration: 24 s\n", "")
+        (robot.folder / "driven.yaml").write_text(arph + "\n" + NODES)
+        robot.start("launch", str(robot.folder / "driven.yaml"), "--robot", robot.name)
+        robot.until(0.3)
+        self.presses = 0
+
+    def hold(self, what: dict[str, Any]) -> None:
+        """Press anew, and wait until the robot moves."""
+        self.presses += 1
+        file = self.robot.run_folder / "press.json"
+        file.with_suffix(".new").write_text(json.dumps({"press": self.presses, **what}))
+        file.with_suffix(".new").replace(file)
+        began = self.robot.t
+        wait_for(lambda: self.moved_since(began + 0.2), "the robot to move")
+
+    def let_go(self) -> None:
+        """Hold nothing any more."""
+        (self.robot.run_folder / "press.json").unlink(missing_ok=True)
+
+    def choose(self, *words: str) -> str:
+        """Choose a mode, or halt or release, as a person does in a terminal."""
+        said = self.robot.tool(*words)
+        assert said.returncode == 0, said.stderr
+        return said.stdout
+
+    @property
+    def log(self) -> RunLog:
+        return read_run_log(self.robot.run_folder)
+
+    def moved_since(self, t: float) -> bool:
+        """Return whether anything moves at any state from plant time `t` [s] on."""
+        log = self.log
+        return bool(np.any(moving(log)[log.t[1:] >= t]))
+
+    def is_still_from(self, t: float, lasting: float = 1.0) -> bool:
+        """Return whether nothing moves from plant time `t` [s] on, once some time has passed."""
+        self.robot.until(t + lasting)
+        return not self.moved_since(t)
+
+
+def moving(log: RunLog) -> np.ndarray[Any, np.dtype[np.bool_]]:
+    """Return for each state but the first whether anything moved since the one before."""
+    rows = np.hstack([log.q, log.base, log.hand])
+    moved: np.ndarray[Any, np.dtype[np.bool_]]
+    moved = np.any(np.abs(np.diff(rows, axis=0)) > STILL * np.diff(log.t)[:, None], axis=1)
+    return moved
+
+
+@pytest.fixture(scope="module")
+def driven(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Driven]:
+    with ExitStack() as stack:
+        yield Driven(Robot(tmp_path_factory.mktemp("driven"), stack))
+
+
+@pytest.fixture(autouse=True)
+def at_rest(driven: Driven) -> None:
+    """Leave nothing of the test before."""
+    driven.let_go()
+    driven.choose("release")
+    driven.choose("mode", "rest")
+    if driven.robot.pid("hmi") not in driven.robot.processes():
+        driven.choose("revive", "hmi")
+
+
+def test_a_robot_with_a_page_starts_at_rest(driven: Driven) -> None:
+    assert ", at rest" in driven.choose("status").splitlines()[0]
+    assert driven.is_still_from(0.0)
+
+
+@pytest.mark.parametrize(("mode", "held"), [("manual", FORWARD), ("manual", JOINT), ("shared", UP)])
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGSTOP])
+def test_it_is_still_soon_after_its_page_dies_or_hangs_and_stays_so(
+    driven: Driven, mode: str, held: dict[str, Any], how: signal.Signals
+) -> None:
+    driven.choose("mode", mode)
+    driven.hold(held)
+    pid, gone = driven.robot.pid("hmi"), driven.robot.t
+    os.kill(pid, how)
+    gone = max(gone, driven.robot.t)  # it may have moved on meanwhile
+    assert driven.is_still_from(gone + WITHIN)
+    if how == signal.SIGSTOP:
+        os.kill(pid, signal.SIGCONT)  # and it goes on with the same press
+    else:
+        driven.let_go()
+        driven.choose("revive", "hmi")
+    assert driven.is_still_from(gone + WITHIN, driven.robot.t - gone + 0.5)
+    driven.hold(held)
+
+
+def test_a_halt_holds_whatever_is_pressed_or_revived(driven: Driven) -> None:
+    driven.choose("mode", "shared")
+    driven.hold(UP)
+    assert "is halted, confirmed by its plant after" in driven.choose("halt")
+    t = driven.robot.t + WITHIN
+    assert driven.robot.tool("mode", "shared").returncode == 1
+    driven.choose("kill", "joint/2")
+    driven.choose("revive", "joint/2")
+    assert driven.is_still_from(t)
+    assert "halted by" in driven.choose("status").splitlines()[0]
+    driven.choose("release")
+    assert driven.is_still_from(t)
+    assert ", at rest" in driven.choose("status").splitlines()[0]
+
+
+def test_a_plant_that_is_revived_starts_at_rest_and_as_halted_as_it_was(driven: Driven) -> None:
+    driven.choose("mode", "automatic")
+    began = driven.robot.t
+    wait_for(lambda: driven.moved_since(began + 0.2), "the agents to move it")
+    driven.choose("halt")
+    driven.choose("kill", "plant")
+    driven.choose("revive", "plant")
+    wait_for(lambda: len(driven.log.t) > 20, "the plant to go on")
+    assert driven.is_still_from(0.0)
+    assert "halted by" in driven.choose("status").splitlines()[0]
+
+
+def test_a_halt_that_no_plant_confirms_is_said(driven: Driven) -> None:
+    pid = driven.robot.pid("plant")
+    os.kill(pid, signal.SIGSTOP)
+    try:
+        said = driven.robot.tool("halt")
+        assert (said.returncode, said.stdout) == (1, "")
+        assert "NOT CONFIRMED" in said.stderr
+    finally:
+        os.kill(pid, signal.SIGCONT)
