@@ -6,6 +6,7 @@ the plant, by whose log it is judged, so that a busy machine that delays it chan
 
 import json
 import os
+import random
 import signal
 from collections.abc import Iterator
 from contextlib import ExitStack
@@ -14,8 +15,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from runtime.results.run_log import RunLog, read_run_log
-from tests.runtime.conftest import ROOT, Robot, wait_for
+from runtime.config.deployment import load
+from runtime.errors import NotConfirmed, RunError
+from runtime.results.evaluation import errors
+from runtime.results.run_log import RunLog, RunLogError, read_run_log
+from runtime.watching.control import Control
+from runtime.wire import topics
+from runtime.wire.bus import Bus
+from runtime.wire.mesh import on_loopback, port_base
+from runtime.wire.messages import GoalMessage
+from tests.runtime.conftest import DEADLINE, FOLLOWS, ROOT, Robot, wait_for
 
 PAGE = '''
 import json
@@ -58,7 +67,7 @@ UP = {"mode": "shared"}
 class Driven:
     """A robot with a page, and what is held down there."""
 
-    def __init__(self, robot: Robot) -> None:
+    def __init__(self, robot: Robot, stack: ExitStack) -> None:
         self.robot = robot
         (robot.folder / "own_page.py").write_text(PAGE)
         arph = (ROOT / "deploy" / "arph.yaml").read_text().replace("duration: 24 s\n", "")
@@ -66,6 +75,9 @@ class Driven:
         robot.start("launch", str(robot.folder / "driven.yaml"), "--robot", robot.name)
         robot.until(0.3)
         self.presses = 0
+        place = on_loopback(port_base(robot.name), 16).visitor()
+        self.bus = stack.enter_context(Bus(robot.name, "a test", place, random.getrandbits(60)))
+        self.control = Control(self.bus)
 
     def hold(self, what: dict[str, Any]) -> None:
         """Press anew, and wait until the robot moves."""
@@ -80,8 +92,12 @@ class Driven:
         """Hold nothing any more."""
         (self.robot.run_folder / "press.json").unlink(missing_ok=True)
 
-    def choose(self, *words: str) -> str:
-        """Choose a mode, or halt or release, as a person does in a terminal."""
+    def mode(self, mode: str) -> None:
+        """Choose a mode, of a robot that is not halted."""
+        self.control.mode(mode, timeout=DEADLINE)
+
+    def tool(self, *words: str) -> str:
+        """Return what a verb says."""
         said = self.robot.tool(*words)
         assert said.returncode == 0, said.stderr
         return said.stdout
@@ -89,6 +105,13 @@ class Driven:
     @property
     def log(self) -> RunLog:
         return read_run_log(self.robot.run_folder)
+
+    def has_begun(self) -> bool:
+        """Return whether a plant that was just revived has gone some way."""
+        try:
+            return len(self.log.t) > 20
+        except RunLogError:
+            return False
 
     def moved_since(self, t: float) -> bool:
         """Return whether anything moves at any state from plant time `t` [s] on."""
@@ -112,21 +135,21 @@ def moving(log: RunLog) -> np.ndarray[Any, np.dtype[np.bool_]]:
 @pytest.fixture(scope="module")
 def driven(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Driven]:
     with ExitStack() as stack:
-        yield Driven(Robot(tmp_path_factory.mktemp("driven"), stack))
+        yield Driven(Robot(tmp_path_factory.mktemp("driven"), stack), stack)
 
 
 @pytest.fixture(autouse=True)
 def at_rest(driven: Driven) -> None:
     """Leave nothing of the test before."""
     driven.let_go()
-    driven.choose("release")
-    driven.choose("mode", "rest")
+    driven.control.release(DEADLINE)
+    driven.mode("rest")
     if driven.robot.pid("hmi") not in driven.robot.processes():
-        driven.choose("revive", "hmi")
+        driven.tool("revive", "hmi")
 
 
 def test_a_robot_with_a_page_starts_at_rest(driven: Driven) -> None:
-    assert ", at rest" in driven.choose("status").splitlines()[0]
+    assert ", at rest" in driven.tool("status").splitlines()[0]
     assert driven.is_still_from(0.0)
 
 
@@ -135,7 +158,7 @@ def test_a_robot_with_a_page_starts_at_rest(driven: Driven) -> None:
 def test_it_is_still_soon_after_its_page_dies_or_hangs_and_stays_so(
     driven: Driven, mode: str, held: dict[str, Any], how: signal.Signals
 ) -> None:
-    driven.choose("mode", mode)
+    driven.mode(mode)
     driven.hold(held)
     pid, gone = driven.robot.pid("hmi"), driven.robot.t
     os.kill(pid, how)
@@ -145,44 +168,86 @@ def test_it_is_still_soon_after_its_page_dies_or_hangs_and_stays_so(
         os.kill(pid, signal.SIGCONT)  # and it goes on with the same press
     else:
         driven.let_go()
-        driven.choose("revive", "hmi")
+        driven.tool("revive", "hmi")
     assert driven.is_still_from(gone + WITHIN, driven.robot.t - gone + 0.5)
     driven.hold(held)
 
 
 def test_a_halt_holds_whatever_is_pressed_or_revived(driven: Driven) -> None:
-    driven.choose("mode", "shared")
+    driven.mode("shared")
     driven.hold(UP)
-    assert "is halted, confirmed by its plant after" in driven.choose("halt")
+    assert "is halted, confirmed by its plant after" in driven.tool("halt")
     t = driven.robot.t + WITHIN
-    assert driven.robot.tool("mode", "shared").returncode == 1
-    driven.choose("kill", "joint/2")
-    driven.choose("revive", "joint/2")
+    with pytest.raises(RunError, match="release it first"):
+        driven.mode("shared")
+    driven.tool("kill", "joint/2")
+    driven.tool("revive", "joint/2")
     assert driven.is_still_from(t)
-    assert "halted by" in driven.choose("status").splitlines()[0]
-    driven.choose("release")
+    assert "halted by" in driven.tool("status").splitlines()[0]
+    driven.tool("release")
     assert driven.is_still_from(t)
-    assert ", at rest" in driven.choose("status").splitlines()[0]
+    assert ", at rest" in driven.tool("status").splitlines()[0]
+
+
+def test_a_goal_of_another_source_moves_nothing_while_a_person_drives(driven: Driven) -> None:
+    driven.mode("shared")
+    driven.hold(UP)
+    goals = driven.bus.publisher(topics.GOAL)
+
+    def is_led_elsewhere() -> bool:
+        t = driven.robot.t
+        goals.send(GoalMessage(t, (0.3, 0.3, 0.6), (0.0, 0.0, 0.0), t, t + 9.0))
+        return not driven.moved_since(t - 0.2)
+
+    wait_for(is_led_elsewhere, "the robot to be still")
+    began = driven.robot.t
+    wait_for(lambda: driven.moved_since(began + 0.2), "the same press to move it again")
+
+
+def test_the_path_of_the_goal_goes_on_from_where_the_robot_was_brought_to_rest(
+    driven: Driven,
+) -> None:
+    def is_on_path() -> bool:
+        path = load(driven.robot.run_folder / "deployment.yaml").goal
+        assert path is not None
+        return bool(errors(driven.log, path.build())[-1, 0] < FOLLOWS)
+
+    driven.mode("automatic")
+    wait_for(is_on_path, "the hand to be at the beginning of its path")
+    driven.mode("rest")
+    began = driven.robot.t
+    driven.robot.until(began + 1.0)
+    driven.mode("automatic")
+    driven.robot.until(began + 2.0)
+    log = driven.log
+    assert log.on_path()[0][-1] < log.t[-1] - 0.9
+    assert is_on_path()
 
 
 def test_a_plant_that_is_revived_starts_at_rest_and_as_halted_as_it_was(driven: Driven) -> None:
-    driven.choose("mode", "automatic")
+    driven.mode("automatic")
     began = driven.robot.t
     wait_for(lambda: driven.moved_since(began + 0.2), "the agents to move it")
-    driven.choose("halt")
-    driven.choose("kill", "plant")
-    driven.choose("revive", "plant")
-    wait_for(lambda: len(driven.log.t) > 20, "the plant to go on")
+    driven.control.halt("a test", DEADLINE)
+    driven.tool("kill", "plant")
+    driven.tool("revive", "plant")
+    wait_for(driven.has_begun, "the plant to go on")
     assert driven.is_still_from(0.0)
-    assert "halted by" in driven.choose("status").splitlines()[0]
+    assert "halted by" in driven.tool("status").splitlines()[0]
 
 
 def test_a_halt_that_no_plant_confirms_is_said(driven: Driven) -> None:
     pid = driven.robot.pid("plant")
+    driven.mode("shared")
+    driven.hold(UP)
     os.kill(pid, signal.SIGSTOP)
     try:
         said = driven.robot.tool("halt")
         assert (said.returncode, said.stdout) == (1, "")
         assert "NOT CONFIRMED" in said.stderr
+        with pytest.raises(NotConfirmed):
+            driven.control.mode("automatic")
     finally:
         os.kill(pid, signal.SIGCONT)
+    began = driven.robot.t
+    assert driven.is_still_from(began + WITHIN)  # what was held and asked for meanwhile is over
