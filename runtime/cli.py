@@ -8,10 +8,11 @@ from collections.abc import Sequence
 from importlib.util import find_spec
 from pathlib import Path
 
-import runtime.verbs
 from plant.errors import MsmaError
 from runtime.errors import exit_code, valid_are
 
+_OURS = "runtime.verbs", "runtime.verbs.gate"
+"""The packages of our own verbs."""
 _GROUP = "msma.verbs"
 _EPILOGUE = """\
 Run `msma COMMAND --help` for the arguments of a command.
@@ -48,9 +49,10 @@ def _module(verb: str) -> str:
 
     Our own verbs are found without reading the metadata of installed packages, which takes 30 ms.
     """
-    ours = f"{runtime.verbs.__name__}.{verb}"
-    if verb.isidentifier() and find_spec(ours):
-        return ours
+    for package in _OURS if verb.isidentifier() else ():
+        spec = find_spec(f"{package}.{verb}")
+        if spec is not None and spec.submodule_search_locations is None:  # it is no package
+            return spec.name
     verbs = _verbs()
     if verb not in verbs:
         raise MsmaError(f"unknown command {verb!r}{valid_are(verb, verbs)}")
@@ -62,8 +64,12 @@ def _verbs() -> dict[str, str]:
     import pkgutil
     from importlib.metadata import entry_points
 
-    ours = runtime.verbs
-    found = {m.name: f"{ours.__name__}.{m.name}" for m in pkgutil.iter_modules(ours.__path__)}
+    found = {
+        module.name: f"{package}.{module.name}"
+        for package in _OURS
+        for module in pkgutil.iter_modules(importlib.import_module(package).__path__)
+        if not module.ispkg
+    }
     return {entry.name: entry.value for entry in entry_points(group=_GROUP)} | found
 
 

@@ -7,11 +7,11 @@ from contextlib import ExitStack
 
 from plant.errors import MsmaError
 from plant.faults import Fault
+from runtime.gate.operator_input import OperatorInput
 from runtime.processes.command_arbiter import EXPRESSIONS, CommandArbiter
 from runtime.processes.lifetime import FAILED
 from runtime.processes.meters import AnswerTimes
 from runtime.processes.node import Context, Node
-from runtime.processes.operator_input import OperatorInput
 from runtime.processes.process import Process
 from runtime.processes.state_publisher import GoalMemory, MotionLog, StatePublisher
 from runtime.processes.timing import Pacer

@@ -147,6 +147,31 @@ def test_a_robot_without_a_platform_stands_at_the_origin() -> None:
     assert (start.platform, start.base) == (None, (0.0, 0.0, 0.0))
 
 
+@pytest.mark.parametrize(
+    ("more", "mode"),
+    [
+        ("", "automatic"),
+        ("start: {mode: rest}", "rest"),
+        ("nodes: [{role: hmi, class: tests.runtime.own_nodes:Page}]", "rest"),
+        (
+            "start: {mode: automatic, rest_after: 24 s}\n"
+            "nodes: [{role: hmi, class: tests.runtime.own_nodes:Page}]",
+            "automatic",
+        ),
+    ],
+)
+def test_a_robot_with_a_page_starts_at_rest_unless_it_says_otherwise(more: str, mode: str) -> None:
+    text = f"robot: x\ndescription: arph\nperiod: 20 ms\nagents: []\n{more}\n"
+    assert read(text).first_mode == mode
+    assert read(read(text).dump()) == read(text)
+
+
+@pytest.mark.parametrize("mode", ["shared", "manual", "fast"])
+def test_no_robot_starts_in_a_mode_that_waits_for_a_press(mode: str) -> None:
+    text = f"robot: x\ndescription: arph\nperiod: 20 ms\nagents: []\nstart: {{mode: {mode}}}\n"
+    assert "start.mode" in refused(text)
+
+
 def test_slots_are_plant_goal_and_the_agents_as_listed() -> None:
     deployment = read(GOOD, port="7000")
     assert deployment.roles == ("plant", "goal", "joint/1", "joint/2", "platform")

@@ -75,6 +75,54 @@ def test_a_hand_that_stays_near_its_goal_has_reached_it(deployment: Deployment) 
     assert outcome(deployment, made).code == OK
 
 
+def halted(made: RunLog, *gates: tuple[float, str, str | None, float]) -> RunLog:
+    """Return the log with changes of the gate: time, mode, who halted it, and time paused."""
+    names = "t", "mode", "halted_by", "paused"
+    events = [{"event": "gate", **dict(zip(names, gate, strict=True))} for gate in gates]
+    return replace(made, events=[*events, *made.events])
+
+
+def test_a_run_that_ends_halted_before_its_path_does_is_no_success(deployment: Deployment) -> None:
+    made = run_log(deployment, 0.001)
+    stopped = int(np.searchsorted(made.t, 9.0))
+    made.hand[stopped:] = made.hand[stopped]
+    summary = outcome(deployment, halted(made, (9.0, "rest", "a page", 0.0)))
+    assert summary.code == MISSED
+    assert summary.headline.startswith("halted by a page since 9.00 s, before the path's end; ")
+    assert [(event.t, event.text) for event in summary.events] == [(9.0, "halted by a page")]
+
+
+def test_a_run_that_was_halted_and_went_on_is_judged_by_its_path_as_it_was_paused(
+    deployment: Deployment,
+) -> None:
+    assert deployment.goal is not None
+    path, made = deployment.goal.build(), run_log(deployment, 0.0)
+    gates = (9.0, "rest", "a page", 0.0), (10.2, "rest", None, 1.2), (12.0, "automatic", None, 3.0)
+    on_path = np.where(made.t < 9.0, made.t, np.maximum(made.t - 3.0, 9.0))
+    hand = np.array([path.piece(each).at(each) for each in on_path])
+    hand[:, 0] += 0.001
+    summary = outcome(deployment, halted(replace(made, hand=hand), *gates))
+    assert summary.code == OK, summary.headline
+    tracking = summary.evaluation and summary.evaluation.tracking
+    assert tracking is not None
+    assert tracking.worst == pytest.approx(0.001)
+    assert [event.text for event in summary.events] == [
+        "halted by a page",
+        "at rest",
+        "in automatic mode",
+    ]
+
+
+def test_where_a_person_drove_the_hand_is_not_judged(deployment: Deployment) -> None:
+    made = run_log(deployment, 0.001)
+    driven = (made.t >= 9.0) & (made.t < 12.0)
+    made.hand[driven] += 0.5
+    gates = (9.0, "shared", None, 0.0), (12.0, "automatic", None, 0.0)
+    tracking = evaluate(halted(made, *gates), deployment).tracking
+    assert tracking is not None
+    assert tracking.worst == pytest.approx(0.001)
+
+
 def test_the_first_two_seconds_do_not_count(deployment: Deployment) -> None:
     off = np.full(401, 0.001)
     off[:30] = 0.02

@@ -13,9 +13,9 @@ from contextlib import suppress
 from plant.plant import Commands, Readings
 from plant.robot import numbers
 from runtime.errors import RunError
-from runtime.processes.gate import LEASE, Gate, GateError
+from runtime.gate.gate import LEASE, Gate, GateError
+from runtime.gate.speed_limit import SpeedLimit
 from runtime.processes.process import Process
-from runtime.processes.speed_limit import SpeedLimit
 from runtime.processes.state_publisher import GoalMemory
 from runtime.wire import topics
 from runtime.wire.arbitration import TopicInput
@@ -59,7 +59,7 @@ class OperatorInput:
         self._before: Commands | None = None  # as agents wanted it, until now
         self._file = process.run / "gate.json"
         self.gate = self._first()
-        self._told: tuple[object, ...] = ("automatic", None, None)
+        self._logged: tuple[object, ...] = ("automatic", None, None)
         self._inputs = TopicInput(topics.JOG, JogMessage, LEASE, process.refusals, self._fits)
         self._jogs = bus.sample_queue(topics.JOG)
         self._publisher = bus.publisher(topics.OPERATOR_STATE)
@@ -121,10 +121,10 @@ class OperatorInput:
             if jog is not None:
                 gate.jog(jog, arrived, (t - jog.t) / self._speed)
         held = gate.held(now)
-        told = gate.mode, gate.halted_by, held and (held.by, held.press)
-        if told != self._told:
-            self._told = told
-            self._tell(gate.state(t, now))
+        shown = gate.mode, gate.halted_by, held and (held.by, held.press)
+        if shown != self._logged:
+            self._logged = shown
+            self._log_change(gate.state(t, now))
             self._next = now
         if now >= self._next:
             self._next = now + _PERIOD
@@ -138,7 +138,7 @@ class OperatorInput:
         request.state = self.gate.state(self._t, now)
         request.done.set()
 
-    def _tell(self, state: OperatorState) -> None:
+    def _log_change(self, state: OperatorState) -> None:
         by = None if state.driver is None else f"{state.driver:x}"
         halted_by = state.halted_by if state.halted else None
         more = {"mode": state.mode, "halted_by": halted_by, "driver": by, "press": state.press}

@@ -11,7 +11,7 @@ from plant.kinematic import KinematicPlant
 from plant.plant import Commands, Setup
 from plant.robot import Robot, numbers
 from runtime.config.deployment import load
-from runtime.processes.speed_limit import SpeedLimit
+from runtime.gate.speed_limit import SpeedLimit
 from tests.runtime.conftest import ROOT
 
 PERIOD = 0.06  # [s]

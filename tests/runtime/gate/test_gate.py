@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from runtime.processes.gate import FASTEST, LEASE, SLOWS, STALE, Gate, GateError
+from runtime.gate.gate import FASTEST, LEASE, SLOWS, STALE, Gate, GateError
 from runtime.wire.operator_messages import JogMessage
 
 PAGE, OTHER = 7, 8

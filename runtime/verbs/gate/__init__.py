@@ -1,0 +1,1 @@
+"""Verbs that change who moves a running robot."""
