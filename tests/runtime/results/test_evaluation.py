@@ -103,9 +103,9 @@ def test_a_run_that_was_halted_and_went_on_is_judged_by_its_path_as_it_was_pause
     hand[:, 0] += 0.001
     summary = outcome(deployment, halted(replace(made, hand=hand), *gates))
     assert summary.code == OK, summary.headline
-    tracking = summary.evaluation and summary.evaluation.tracking
-    assert tracking is not None
-    assert tracking.worst == pytest.approx(0.001)
+    assert summary.evaluation is not None
+    assert summary.evaluation.tracking is not None
+    assert summary.evaluation.tracking.worst == pytest.approx(0.001)
     assert [event.text for event in summary.events] == [
         "halted by a page",
         "at rest",
