@@ -201,6 +201,9 @@ class OperatorInput:
     def _on_halt(self, by: bytes) -> bytes:
         given = by.decode(errors="replace")[:_NAME].strip() or "somebody"
         name = "".join(letter if letter.isprintable() else "?" for letter in given)
+        if self.gate.halted_by is not None and not self._requests:
+            # the loop has acted on that already: many who halt at once need not wait in turn
+            return pack(self.gate.state(self._t, self._updated))
         return self._ask(lambda: self.gate.halt(name))
 
     def _on_release(self, _: bytes) -> bytes:

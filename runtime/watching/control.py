@@ -71,7 +71,7 @@ class Control:
         """Ask until the plant has answered: all these requests may be repeated."""
         began = time.monotonic()
         while (left := began + timeout - time.monotonic()) > 0:
-            for answer in self._bus.ask(key, text.encode(), left):
+            for answer in self._bus.answers(key, text.encode(), min(left, _CONFIRMED)):
                 if not answer.agreed:
                     raise RunError(answer.data.decode(errors="replace"))
                 if (state := unpack_valid(OperatorState, answer.data)) is not None:

@@ -212,6 +212,10 @@ class Bus(AbstractContextManager["Bus"]):
 
     def ask(self, key: str, question: bytes = b"", timeout: float = 1.0) -> list[Answer]:
         """Query all that answer on a key expression; wait at most `timeout` [s]."""
+        return list(self.answers(key, question, timeout))
+
+    def answers(self, key: str, question: bytes = b"", timeout: float = 1.0) -> Iterator[Answer]:
+        """Yield each answer as it comes, for whom the first is enough: see `ask`."""
         replies = _replies(
             self._session.get,
             key,
@@ -220,13 +224,11 @@ class Bus(AbstractContextManager["Bus"]):
             target=zenoh.QueryTarget.ALL,
             consolidation=zenoh.ConsolidationMode.NONE,  # copies answer on the same key
         )
-        answers = []
         for reply in replies:
             if reply.ok is not None:
-                answers.append(Answer(str(reply.ok.key_expr), data_of(reply.ok.payload), True))
+                yield Answer(str(reply.ok.key_expr), data_of(reply.ok.payload), True)
             elif reply.err is not None:
-                answers.append(Answer(key, data_of(reply.err.payload), False))
-        return answers
+                yield Answer(key, data_of(reply.err.payload), False)
 
 
 def _replies(

@@ -178,6 +178,8 @@ def test_a_halt_holds_whatever_is_pressed_or_revived(driven: Driven) -> None:
     driven.hold(UP)
     assert "is halted, confirmed by its plant after" in driven.tool("halt")
     t = driven.robot.t + WITHIN
+    for _ in range(20):
+        assert driven.control.halt("another", DEADLINE).state.halted_by != "another"
     with pytest.raises(RunError, match="release it first"):
         driven.mode("shared")
     driven.tool("kill", "joint/2")
@@ -217,7 +219,7 @@ def test_the_path_of_the_goal_goes_on_from_where_the_robot_was_brought_to_rest(
     driven.mode("rest")
     began = driven.robot.t
     driven.robot.until(began + 1.0)
-    driven.mode("automatic")
+    assert "is automatic, confirmed by its plant after" in driven.tool("mode", "automatic")
     driven.robot.until(began + 2.0)
     log = driven.log
     assert log.on_path()[0][-1] < log.t[-1] - 0.9
