@@ -17,6 +17,7 @@ from runtime.gate.gate import LEASE, Gate, GateError
 from runtime.gate.speed_limit import SpeedLimit
 from runtime.processes.process import Process
 from runtime.processes.state_publisher import GoalMemory
+from runtime.processes.timing import freshness
 from runtime.wire import topics
 from runtime.wire.arbitration import TopicInput
 from runtime.wire.messages import pack
@@ -55,10 +56,15 @@ class OperatorInput:
         base_limits = () if robot.drive is None else robot.drive.max_velocity
         self._limits = (*robot.max_speed.tolist(), *base_limits)
         self._period, self._speed = deployment.period / deployment.speed, deployment.speed
+        # for as long agents may follow another goal, which is heard of here a little later
+        self._rival = freshness(deployment.period, deployment.speed) + 2 * _PERIOD
         self._speed_limit = SpeedLimit(robot, deployment.period)
         self._before: Commands | None = None  # as agents wanted it, until now
         self._file = process.run / "gate.json"
+        self._keeping = threading.Lock()
         self.gate = self._first()
+        if deployment.has_page:
+            self._keep()
         self._logged: tuple[object, ...] = ("automatic", None, None)
         self._inputs = TopicInput(topics.JOG, JogMessage, LEASE, process.refusals, self._fits)
         self._jogs = bus.sample_queue(topics.JOG)
@@ -80,20 +86,22 @@ class OperatorInput:
         A robot that was in automatic mode and has no page goes on as if nothing had happened.
         """
         start, has_page = self._process.deployment.start, self._process.deployment.has_page
-        mode, halted_by = self._process.deployment.first_mode, None
-        with suppress(OSError, ValueError, KeyError, TypeError):
+        mode: Mode = "rest"
+        halted_by = None
+        try:
             kept = json.loads(self._file.read_text(encoding="utf-8"))
-            goes_on = kept["mode"] == "automatic" and not has_page
-            mode, halted_by = "automatic" if goes_on else "rest", kept["halted_by"]
-        gate = Gate(mode, halted_by, start.rest_after)
-        if has_page:
-            self._keep(gate.mode, gate.halted_by)
-        return gate
+            halted_by = kept["halted_by"]
+            mode = "automatic" if kept["mode"] == "automatic" and not has_page else "rest"
+        except FileNotFoundError:
+            mode = self._process.deployment.first_mode
+        except (OSError, ValueError, KeyError, TypeError) as error:
+            halted_by = f"its plant, which cannot read {self._file.name} ({type(error).__name__})"
+        return Gate(mode, halted_by, start.rest_after)
 
-    def _keep(self, mode: Mode, halted_by: str | None) -> None:
+    def _keep(self) -> None:
         """Keep what a plant that is revived in the same run has to know."""
-        text = json.dumps({"mode": mode, "halted_by": halted_by})
-        with suppress(OSError):  # the disk is full: such a plant starts at rest if there is a page
+        with self._keeping, suppress(OSError):  # the disk is full
+            text = json.dumps({"mode": self.gate.mode, "halted_by": self.gate.halted_by})
             new = self._file.with_suffix(".new")
             new.write_text(text, encoding="utf-8")
             new.replace(self._file)
@@ -164,7 +172,7 @@ class OperatorInput:
         nobody: list[float | None] = [None] * len(ages)
         speeds = (0.0,) * len(self._limits)
         if held is not None and gate.mode == "shared":
-            if not self._goal.another_publishes(held.by, now):
+            if not self._goal.has_rival(held.by, now - self._rival):
                 return self._limited(wanted, readings, now), ages
             gate.why = "another goal source publishes"
         elif held is not None:
@@ -194,9 +202,8 @@ class OperatorInput:
         if request.error is not None:
             raise request.error
         assert request.state is not None
-        state = request.state
-        self._keep(state.mode, state.halted_by if state.halted else None)
-        return pack(state)
+        self._keep()
+        return pack(request.state)
 
     def _on_halt(self, by: bytes) -> bytes:
         given = by.decode(errors="replace")[:_NAME].strip() or "somebody"

@@ -66,7 +66,7 @@ class SpeedLimit:
         if slower == 0.0 or not any(wanted):
             asked = (0.0,) * len(wanted)
             self._speeds = self._reached(asked, now)
-            return Commands(asked[:n], asked[n:])
+            return commands._replace(joints=asked[:n], base=asked[n:])
         columns = self._columns(q)
         fastest = _largest(columns, wanted)
         # those of the platform are the last; its frame is to keep to the limit too
@@ -82,7 +82,7 @@ class SpeedLimit:
                 break
             share = _A_LITTLE_LESS * share * limit / over if left > 2 else 0.0
         self._speeds = next_speeds
-        return Commands(asked[:n], asked[n:])
+        return commands._replace(joints=asked[:n], base=asked[n:])
 
     def _reached(self, asked: Numbers, now: Numbers) -> Numbers:
         """Return the speeds of all motors one period later."""

@@ -13,7 +13,7 @@ from runtime.config.deployment import Deployment
 from runtime.processes.node import Context, Node
 from runtime.processes.perception import Perception
 from runtime.processes.process import Process
-from runtime.processes.timing import Backlog, Cadence, apart
+from runtime.processes.timing import Backlog, Cadence, apart, freshness
 from runtime.wire import topics
 from runtime.wire.messages import GripperCommand, JointCommand, Message, PlatformCommand
 from runtime.wire.samples import Sample
@@ -25,11 +25,6 @@ _GOALS = 8
 _NEWEST = 2  # of a kind that is of use to a decision only, so that a stray one hides no sound one:
 # to read all that came since the last decision would at 1 kHz take longer than to decide
 _BLINK = 0.02  # [s] at least between two looks for a hand while no joint states come
-
-
-def freshness(period: float, speed: float) -> float:
-    """Return how long state is worth perceiving [s], for a plant's `period` [s] and speed."""
-    return max(3 * period / speed, 0.05)
 
 
 def _topics_of(sees: frozenset[str], deployment: Deployment) -> list[Topic]:

@@ -4,10 +4,10 @@ import time
 
 from agents.agent import Agent
 from agents.paths import Path
-from runtime.processes.agent_process import freshness
 from runtime.processes.node import Context, Node
 from runtime.processes.perception import Perception
 from runtime.processes.process import Process
+from runtime.processes.timing import freshness
 from runtime.wire import topics
 from runtime.wire.arbitration import TopicInput
 from runtime.wire.messages import LIMIT, GoalMessage, JointStates

@@ -109,9 +109,9 @@ class GoalMemory:
         if last is not None:
             self._publisher.send(last.message)
 
-    def another_publishes(self, by: int, now: float) -> bool:
-        """Return whether anybody but incarnation `by` publishes a goal `now` [s]."""
-        return self._input.is_fresh_beside(by, now)
+    def has_rival(self, by: int, since: float) -> bool:
+        """Return whether anybody but incarnation `by` has published a goal since then [s]."""
+        return self._input.has_rival(by, since)
 
 
 class MotionLog:

@@ -7,6 +7,11 @@ from collections.abc import Callable
 _AT_A_TIME = 0.1  # [s] of sleep, so that the end is noticed in between
 
 
+def freshness(period: float, speed: float) -> float:
+    """Return how long state is worth perceiving [s], for a plant's `period` [s] and speed."""
+    return max(3 * period / speed, 0.05)
+
+
 class Pacer:
     """Waits for one deadline after another, a period apart.
 

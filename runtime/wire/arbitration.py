@@ -90,10 +90,9 @@ class Arbiter(Generic[M]):
             return None
         return source.message
 
-    def is_fresh_beside(self, by: int, now: float) -> bool:
-        """Return whether any other source than incarnation `by` is fresh `now` [s]."""
-        sources = self._sources.items()
-        return any(now - one.arrived <= self._fresh for other, one in sources if other != by)
+    def has_rival(self, by: int, since: float) -> bool:
+        """Return whether anything came of another source than incarnation `by` since then [s]."""
+        return any(one.arrived >= since for other, one in self._sources.items() if other != by)
 
     def _note_another(self, message: M) -> None:
         """Take note of the first message of a source that comes while another is fresh."""
