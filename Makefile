@@ -21,7 +21,7 @@ $(VENV)/bin/pip:
 
 # pip does not compile an editable installation, and some environments keep Python from doing so: then
 # every process would compile all its imports again, and take a quarter longer to start.
-COMPILE = $(BIN)/python -m compileall -q agents bench plant runtime studies
+COMPILE = $(BIN)/python -m compileall -q agents bench nodes plant runtime studies
 
 $(VENV)/run: pyproject.toml $(VENV)/bin/pip
 	$(BIN)/pip install --quiet --editable '.[keys,plots]'

@@ -12,10 +12,11 @@ MAY_IMPORT = {
     "plant": {"plant"},
     "agents": {"agents", "plant"},
     "runtime": {"runtime", "agents", "plant"},
+    "nodes": {"nodes", "runtime", "agents", "plant"},
     "studies": {"studies", "runtime", "agents", "plant"},
     "bench": {"bench", "studies", "runtime", "agents", "plant"},
 }
-OURS = {"plant", "agents", "runtime", "studies", "bench"}
+OURS = {"plant", "agents", "runtime", "nodes", "studies", "bench"}
 IMPURE = {"zenoh", "time", "datetime", "random", "socket", "threading", "asyncio", "subprocess"}
 MOST_FILES, MOST_LINES = 15, 350
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parent.parent
-FOLDERS = ("bench", "plant", "runtime", "studies")
+FOLDERS = ("bench", "nodes", "plant", "runtime", "studies")
 FILES = sorted(file for folder in FOLDERS for file in (ROOT / folder).rglob("*.py"))
 """All but `agents/`, which is written anew after this."""
 AGENTS = sorted((ROOT / "agents").rglob("*.py"))

@@ -1,0 +1,1 @@
+"""Processes that no robot needs, such as the page that people drive it by."""
