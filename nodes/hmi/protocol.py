@@ -30,7 +30,8 @@ or not yet open is NOT CONFIRMED at once.
 - `mine`: as the person sees it: forward is where the camera (or the person) looks, made level.
   `camera` is that direction's heading in the world, from x towards y.
 - `robot`: the platform's (the base's) own forward, left and up.
-- `gripper`: forward is where the grip points (the hand's z), left is its y, up is its -x.
+- `gripper`: forward is where the grip points (the hand's x or z, the server knows), left is the
+  hand's y.
 """
 
 from collections.abc import Mapping
