@@ -210,3 +210,16 @@ class Fault:
         if self.value is None or takes is None:
             return f"{self.target}:{self.kind}"
         return f"{self.target}:{self.kind}={written(self.value, takes.unit)}"
+
+
+def fault_texts(robot: Robot) -> list[str]:
+    """Return the faults that a robot can have, in their text form and without values."""
+    joints = range(1, robot.n + 1)
+    targets = {"joint": [f"joint/{n}" for n in joints], "encoder": [f"encoder/{n}" for n in joints]}
+    targets |= {"localiser": ["localiser"], "platform": ["platform"] if robot.drive else []}
+    return [
+        f"{target}:{kind}"
+        for part, kinds in _KINDS.items()
+        for target in targets[part]
+        for kind in kinds
+    ]

@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from agents.agent import Array
-from agents.attitude import product, rotation_by, turn_between
-from nodes.hmi.protocol import Frame, Jog
+from agents.attitude import product, rotation_by, turn_between, unit
+from nodes.hmi.protocol import Frame, Jog, Target
 from plant.robot import Robot
 
 LEASH = 0.06
@@ -24,6 +24,8 @@ REACHED, REACHED_TURN = 0.003, 0.02
 """So close to where a bounded step leads it has arrived [m, rad]."""
 STEP_TIME = 0.5
 """In no less a bounded step of a part goes its way [s], so that it can be ended in time."""
+_KEEPS_UP = 0.7  # of the leash behind: so much lags a sound hand at its speed limit
+_ARRIVES = 0.3  # [s] in no less the goal comes to its target: longer than it goes on by itself
 _UNSEEN = 0.1  # [s] that a part moves on until it is seen and rests, at the paper's control period
 
 
@@ -113,10 +115,64 @@ def hand_motion(jog: Jog, axes: Array, limit: float, turn: float) -> Motion:
     return Motion(limit * linear @ axes, turn * angular @ axes)
 
 
+def fits_hand(jog: Jog) -> bool:
+    """Tell whether a jog in shared mode is of the hand, and its target, if it has one, sound."""
+    if jog.mode != "shared":
+        return jog.target is None
+    turn = None if jog.target is None else jog.target.orientation
+    return jog.part == "hand" and (turn is None or abs(math.hypot(*turn) - 1.0) < 1e-2)
+
+
+def target_pose(target: Target, otherwise: Hand) -> Hand:
+    """Return a target as a pose; without an orientation, with that of another pose."""
+    turn = otherwise.orientation
+    if target.orientation is not None:
+        turn = unit(np.array(target.orientation))
+    return Hand(np.array(target.position), turn)
+
+
+def motion_to(to: Hand, goal: Hand, limit: float, turn: float) -> Motion:
+    """Return how fast a goal is to move to a pose, its place and its turn arriving together.
+
+    Args:
+        to: Where to.
+        goal: Where the goal is.
+        limit: Largest speed [m/s].
+        turn: Largest turning speed [rad/s].
+    """
+    way, turning = to.position - goal.position, turn_between(goal.orientation, to.orientation)
+    if not limit > 0.0:
+        return Motion(0.0 * way, 0.0 * turning)
+    takes = max(float(np.linalg.norm(way)) / limit, float(np.linalg.norm(turning)) / turn, _ARRIVES)
+    return Motion(way / takes, turning / takes)
+
+
 def _within(vector: Array, most: float) -> Array:
     """Return a vector, shortened to a length of `most`."""
     length = float(np.linalg.norm(vector))
     return vector if length <= most else vector * (most / length)
+
+
+def _leashed(ahead: Array, velocity: Array) -> Array:
+    """Return where a goal that moves may be, seen from the hand: no further than the leash.
+
+    It waits on its line, or the hand of a robot that cannot follow well would draw it off; only
+    where the line itself is further away it is drawn to the hand.
+    """
+    if float(np.linalg.norm(ahead)) <= LEASH:
+        return ahead
+    speed = float(np.linalg.norm(velocity))
+    if not speed > 0.0:
+        return _within(ahead, LEASH)
+    direction = velocity / speed
+    along = float(ahead @ direction)
+    aside = ahead - along * direction
+    left = LEASH**2 - float(aside @ aside)
+    if left <= 0.0:
+        return _within(ahead, LEASH)
+    most = math.sqrt(left)
+    result: Array = aside + min(max(along, -most), most) * direction
+    return result
 
 
 class LedGoal:
@@ -138,7 +194,8 @@ class LedGoal:
         """Return the goal `now` [s], which from now on is to move like that.
 
         It has gone on as it was to, but no longer than the lease, and no further from the hand
-        than the leash.
+        than the leash. A hand that does not keep up is asked for less and less of the turn: a robot
+        with broken joints cannot always do both, and is to go where it was sent first.
         """
         passed = min(max(now - self._last, 0.0), self._lease)
         before, self._last, self._motion = self._motion, now, motion
@@ -148,20 +205,27 @@ class LedGoal:
         off = _within(turn_between(hand.orientation, turned), LEASH_TURN)
         orientation = product(rotation_by(off), hand.orientation)
         self._goal = Hand(
-            hand.position + _within(ahead, LEASH), orientation / np.linalg.norm(orientation)
+            hand.position + _leashed(ahead, before.linear),
+            orientation / np.linalg.norm(orientation),
         )
+        behind = float(np.linalg.norm(self._goal.position - hand.position)) / LEASH
+        eased = off * min(max((1.0 - behind) / (1.0 - _KEEPS_UP), 0.0), 1.0)
+        shown = Hand(self._goal.position, product(rotation_by(eased), hand.orientation))
         lasts = min(self._lease, self._left(motion))
         if lasts <= 0.0:
             motion = Motion(np.zeros(3), np.zeros(3))
-        return GoalPiece(self._goal, motion, lasts)
+        return GoalPiece(shown, motion, lasts)
+
+    @property
+    def pose(self) -> Hand:
+        """Where the goal was when it was advanced last."""
+        return self._goal
 
     def arrived(self, hand: Hand) -> bool:
         """Tell whether a bounded step is over: the goal at its end, and the hand at the goal."""
         if self._step is None or self._left(self._motion) > 0.0:
             return False
-        off = float(np.linalg.norm(self._goal.position - hand.position))
-        turn = float(np.linalg.norm(turn_between(self._goal.orientation, hand.orientation)))
-        return off <= REACHED and turn <= REACHED_TURN
+        return is_at(hand, self._goal)
 
     def _left(self, motion: Motion) -> float:
         """Return for how long a motion may go on before a bounded step is done [s]."""
@@ -175,6 +239,13 @@ class LedGoal:
             gone = float(np.linalg.norm(turn))
         left = self._step - gone
         return max(left, 0.0) / speed if speed and left > 1e-9 else 0.0
+
+
+def is_at(hand: Hand, goal: Hand) -> bool:
+    """Tell whether a hand has reached its goal."""
+    off = float(np.linalg.norm(goal.position - hand.position))
+    turn = float(np.linalg.norm(turn_between(goal.orientation, hand.orientation)))
+    return off <= REACHED and turn <= REACHED_TURN
 
 
 class PartSpeeds(NamedTuple):

@@ -135,20 +135,32 @@ class Presses:
         return [] if press is None else [End(press.viewer, press.number, why, began=True)]
 
 
+class Picture(NamedTuple):
+    """A state that was sent: its number, when [s], and the plant time that it shows [s]."""
+
+    number: int
+    sent: float
+    t: float
+
+
 class Pictures:
     """How old the picture is that a viewer looks at: by when each state was sent."""
 
     def __init__(self, kept: int) -> None:
-        """Keep the times of so many states; one that is not among them is as old as the oldest."""
-        self._sent: deque[tuple[int, float]] = deque(maxlen=kept)
+        """Keep so many states; one that is not among them counts as the oldest."""
+        self._sent: deque[Picture] = deque(maxlen=kept)
 
-    def sent(self, number: int, now: float) -> None:
-        """Note that a state was sent `now` [s]; numbers count up."""
-        self._sent.append((number, now))
+    def sent(self, number: int, now: float, t: float) -> None:
+        """Note that a state of plant time `t` [s] was sent `now` [s]; numbers count up."""
+        self._sent.append(Picture(number, now, t))
+
+    def of(self, number: int) -> Picture | None:
+        """Return a state; None if no such state was ever sent."""
+        if not self._sent or not 0 < number <= self._sent[-1].number:
+            return None
+        return next((one for one in self._sent if one.number >= number), None)
 
     def age(self, number: int, now: float) -> float | None:
         """Return the age of a state [s]; None if no such state was ever sent."""
-        if not self._sent or not 0 < number <= self._sent[-1][0]:
-            return None
-        sent = next((then for each, then in self._sent if each >= number), now)
-        return now - sent
+        picture = self.of(number)
+        return None if picture is None else now - picture.sent

@@ -69,6 +69,13 @@ class Painted(FromBrowser, frozen=True, tag="painted"):
     state: Count
 
 
+class Target(Struct, frozen=True, forbid_unknown_fields=True):
+    """Where the hand is to go: position [m] and, if that matters, unit quaternion x, y, z, w."""
+
+    position: Three
+    orientation: Four | None = None
+
+
 class Jog(FromBrowser, frozen=True, tag="jog"):
     """A button is held, sent every `Times.jog`.
 
@@ -84,6 +91,9 @@ class Jog(FromBrowser, frozen=True, tag="jog"):
         frame: Whose forward, left and up; of the hand only.
         camera: Of frame `mine`: heading [rad] of the direction of view, from the world's x to y.
         grip: Opening (1) or closing (-1) the gripper, or 0.
+        target: In shared mode: where the hand goes while this is held, at the speed limit times
+            the largest of `speeds` (send one, such as [1]); a saved place, or the marker that was
+            dragged. The press ends there by itself, as a step does.
         step: The press is to end by itself after so much: [m] of the hand, the platform and joints
             that slide, [rad] of what only turns; None for as long as it is held. The jogs go on
             until `ended` comes.
@@ -97,6 +107,7 @@ class Jog(FromBrowser, frozen=True, tag="jog"):
     frame: Frame = "mine"
     camera: Number = 0.0
     grip: Share = 0.0
+    target: Target | None = None
     step: Annotated[float, Meta(gt=0.0, le=1.0)] | None = None
 
 
@@ -145,6 +156,9 @@ class Yield(FromBrowser, frozen=True, tag="yield"):
 class SetGoal(FromBrowser, frozen=True, tag="goal"):
     """The goal marker was dragged or nudged; in automatic mode only; answered by `done`.
 
+    It is refused (`refused.source`) if the deployment has a goal of its own, which would move the
+    robot elsewhere as soon as this page is gone. See `Jog.target` for what works in shared mode.
+
     Attributes:
         position: In the world [m].
         orientation: Unit quaternion x, y, z, w; None to leave it to the robot.
@@ -156,7 +170,7 @@ class SetGoal(FromBrowser, frozen=True, tag="goal"):
 
 
 class Go(FromBrowser, frozen=True, tag="go"):
-    """Make a saved place the goal; in automatic mode only; answered by `done`."""
+    """Make a saved place the goal, as `goal` does; in automatic mode only; answered by `done`."""
 
     id: Id
     place: Name
@@ -177,7 +191,7 @@ class Forget(FromBrowser, frozen=True, tag="forget"):
 
 
 class Task(FromBrowser, frozen=True, tag="task"):
-    """Start the task of the deployment from its beginning; in automatic mode only."""
+    """Start the task of the deployment, or go on with it: that chooses automatic mode."""
 
     id: Id
     task: Name
@@ -203,32 +217,7 @@ class InjectFault(FromBrowser, frozen=True, tag="fault"):
     fault: Annotated[str, Meta(min_length=1, max_length=200, pattern=r"^[ -~]+$")]
 
 
-class Partition(FromBrowser, frozen=True, tag="partition"):
-    """Engineer only, in a rehearsal: cut the network between hosts, or heal it.
-
-    Attributes:
-        cut: Whether to cut, or to heal.
-        hosts: One side of the cut, by the hosts' names.
-    """
-
-    id: Id
-    cut: bool
-    hosts: Annotated[tuple[Name, ...], Meta(min_length=1, max_length=32)]
-
-
-Request = (
-    SetMode
-    | SetLimit
-    | Release
-    | SetGoal
-    | Go
-    | Save
-    | Forget
-    | Task
-    | Act
-    | InjectFault
-    | Partition
-)
+Request = SetMode | SetLimit | Release | SetGoal | Go | Save | Forget | Task | Act | InjectFault
 """What is answered by `done` with the same `id`."""
 Incoming = Painted | Jog | LetGo | Halt | Takeover | Yield | Request
 
@@ -353,7 +342,6 @@ class Hello(Struct, frozen=True, tag="hello"):
         tasks: What `task` can start.
         faults: Texts of faults that the robot's plant has, for the engineer to choose from.
         processes: The roles of all processes.
-        hosts: Hosts between which a rehearsal can cut the network; empty outside of one.
         happened: What happened before.
     """
 
@@ -374,7 +362,6 @@ class Hello(Struct, frozen=True, tag="hello"):
     tasks: tuple[str, ...]
     faults: tuple[str, ...]
     processes: tuple[str, ...]
-    hosts: tuple[str, ...]
     happened: tuple[Happening, ...]
 
 
@@ -525,7 +512,7 @@ class ProcessInfo(Struct, frozen=True):
 
 
 class Processes(Struct, frozen=True, tag="processes"):
-    """All processes, about once a second.
+    """All processes, about once a second; for engineers only.
 
     Attributes:
         rows: The processes.
@@ -562,13 +549,14 @@ KEYS = {
     "refused.driver": "driver",
     "refused.halted": "by",
     "refused.mode": "mode wanted",
-    "refused.picture": "age",
-    "refused.part": "part",
+    "refused.picture": "",
+    "refused.part": "",
     "refused.plant": "",
     "refused.role": "",
     "refused.place": "place",
+    "refused.places": "why",
+    "refused.source": "",
     "refused.task": "task",
-    "refused.rehearsal": "",
     "refused.robot": "why",
     "refused.flood": "",
     "refused.message": "why",

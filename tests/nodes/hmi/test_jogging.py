@@ -98,6 +98,25 @@ def test_the_goal_is_never_further_from_the_hand_than_the_leash() -> None:
     assert turn_between(UPRIGHT, turned.orientation) == pytest.approx((0, 0, LEASH_TURN))
 
 
+def test_the_goal_waits_on_its_line_for_a_hand_that_strays_from_it() -> None:
+    goal = LedGoal(START, 0.0, LEASE)
+    strays = Hand(START.position + np.array([0.02, 0.04, 0.0]), UPRIGHT)
+    ahead = lead(goal, FORWARD, 5.0, strays).position - START.position
+    assert ahead == pytest.approx((0.02 + math.sqrt(LEASH**2 - 0.04**2), 0, 0))
+    lost = Hand(START.position + np.array([0.02, 0.3, 0.0]), UPRIGHT)
+    off = lead(goal, FORWARD, 0.2, lost, since=5.0).position - lost.position
+    assert np.linalg.norm(off) == pytest.approx(LEASH, rel=0.2)
+
+
+def test_a_hand_that_does_not_keep_up_is_not_asked_to_turn_too() -> None:
+    tilted = Hand(START.position, rotation_by(np.array([0.2, 0.0, 0.0])))
+    goal = LedGoal(START, 0.0, LEASE)
+    near = goal.advance(FORWARD, tilted, 0.0).pose.orientation
+    assert near == pytest.approx(UPRIGHT)
+    far = lead(goal, FORWARD, 5.0, tilted).orientation
+    assert far == pytest.approx(tilted.orientation)
+
+
 def test_the_orientation_stays_as_it_was_while_the_hand_only_goes_somewhere() -> None:
     tilted = Hand(START.position, rotation_by(np.array([0.1, -0.2, 0.3])))
     assert lead(LedGoal(tilted, 0.0, LEASE), FORWARD, 1.0, tilted).orientation == pytest.approx(

@@ -107,8 +107,11 @@ def test_a_picture_is_as_old_as_the_state_that_was_painted() -> None:
     pictures = Pictures(kept=4)
     assert pictures.age(1, 0.0) is None
     for number in range(1, 7):
-        pictures.sent(number, number * 0.05)
+        pictures.sent(number, number * 0.05, t=number * 0.1)
     assert pictures.age(6, 0.4) == pytest.approx(0.1)
     assert pictures.age(4, 0.4) == pytest.approx(0.2)
     assert pictures.age(1, 0.4) == pytest.approx(0.25)  # no longer kept: at least so old
     assert pictures.age(7, 0.4) is None  # made up
+    picture = pictures.of(6)
+    assert picture is not None
+    assert picture.t == pytest.approx(0.6)

@@ -1,0 +1,173 @@
+"""The page's link to the robot: what it sees on the bus, and what it publishes there."""
+
+import math
+import threading
+import time
+from typing import Any
+
+import numpy as np
+
+from nodes.hmi.jogging import GoalPiece, Motion, PartSpeeds, Place
+from nodes.hmi.presses import Press
+from nodes.hmi.protocol import Pose
+from nodes.hmi.seen import Seen, hand_of
+from plant.errors import MsmaError
+from runtime.processes.node import Context
+from runtime.processes.plant_clock import BusClock
+from runtime.watching.roster import Roster, Row
+from runtime.watching.watcher import goal_at
+from runtime.wire import topics
+from runtime.wire.arbitration import GoalInput, TopicInput
+from runtime.wire.bus import BusError
+from runtime.wire.messages import (
+    Diag,
+    EndEffectorPose,
+    GoalMessage,
+    PlatformPose,
+    unpack_valid,
+)
+from runtime.wire.operator_messages import JogMessage, OperatorState
+from runtime.wire.samples import Sample
+
+FRESH = 0.5
+"""Age from which on what the plant says counts as gone [s]: ten of its messages."""
+_AT_ONCE = 8
+_GOAL_FRESH = 0.5  # [s]
+_REST = Motion(np.zeros(3), np.zeros(3))
+
+
+class RequestError(MsmaError, RuntimeError):
+    """The robot did not do what it was asked for: it says why."""
+
+
+class RobotLink:
+    """Sees the robot and publishes for the page; `look` as often as it is shown.
+
+    Attributes:
+        incarnation: The random number of this process, by which the robot knows its presses.
+
+    Args:
+        context: What the process of the node has.
+        speed: Plant time per real time.
+        lease: For how long a goal moves on by itself [s].
+    """
+
+    def __init__(self, context: Context, speed: float, lease: float) -> None:
+        bus, refusals = context.bus, context.refusals
+        self.incarnation = bus.incarnation
+        self._bus, self._lease = bus, lease
+        self._n, self._speed = context.robot.n, speed
+        self._clock = BusClock(bus, time.monotonic())
+        self._hand = TopicInput(topics.HAND, EndEffectorPose, FRESH, refusals)
+        self._base = TopicInput(topics.PLATFORM, PlatformPose, FRESH, refusals)
+        self._operator = TopicInput(topics.OPERATOR_STATE, OperatorState, FRESH, refusals)
+        self._goal = GoalInput(_GOAL_FRESH, refusals)
+        inputs: list[TopicInput[Any]] = [self._hand, self._base, self._operator]
+        inputs += self._goal.inputs.values()
+        self._inputs = [(bus.ring(each.key, _AT_ONCE), each) for each in inputs]
+        self._jog_out = bus.publisher(topics.JOG)
+        self._goal_out = bus.publisher(topics.GOAL)
+        self._answered: OperatorState | None = None  # what the plant answered last
+        self._roster, self._lock = Roster(), threading.Lock()
+        bus.watch_alive(self._on_token)
+        bus.subscribe(topics.EVERY_DIAG, self._on_diag)
+
+    def _on_token(self, key: str, there: bool) -> None:
+        with self._lock:
+            self._roster.token(key, there, time.monotonic())
+
+    def _on_diag(self, key: str, data: bytes) -> None:
+        diag = unpack_valid(Diag, data)
+        if diag is not None and topics.diag(diag.role) == key:
+            with self._lock:
+                self._roster.diag(diag, time.monotonic())
+
+    def rows(self) -> list[Row]:
+        """Return the processes that are seen."""
+        with self._lock:
+            return self._roster.rows()
+
+    def look(self, now: float) -> Seen:
+        """Return what is known `now` [s]."""
+        for ring, source in self._inputs:
+            arrivals: list[Sample] = list(ring.waiting(_AT_ONCE))
+            for arrival in arrivals:
+                source.accept(arrival.data, now)
+        t, states = self._clock.look(now), self._clock.states.fresh(now)
+        t = t if states is None else states.t
+        q: tuple[float | None, ...] = (None,) * self._n
+        if states is not None and len(states.position) == self._n:
+            q = states.position
+        base, pose = self._base.fresh(now), self._hand.fresh(now)
+        place = Place(q, (0.0, 0.0, 0.0) if base is None else (base.x, base.y, base.heading))
+        hand = None if pose is None else hand_of(pose.position, pose.orientation)
+        message = self._goal.selected(now)
+        goal = error = None
+        if message is not None:
+            at = goal_at(message, t)
+            goal = Pose(at, message.orientation)
+            error = None if pose is None else math.dist(pose.position, at)
+        age = now - self._clock.arrived
+        known = base is not None
+        operator, answered = self._operator.fresh(now), self._answered
+        if operator is not None and answered is not None and answered.t > operator.t:
+            operator = answered  # what is published may be on its way still
+        return Seen(t, age, place, known, hand, goal, error, operator)
+
+    def jog(self, press: Press, t: float, speeds: PartSpeeds, motion: Motion = _REST) -> None:
+        """Publish that a press is held, in answer to a state of plant time `t` [s]."""
+        forward, turning, sideways = speeds.platform
+        self._jog_out.send(
+            JogMessage(
+                t,
+                press=press.serial,
+                mode=press.jog.mode,
+                velocity=tuple(motion.linear.tolist()),
+                angular_velocity=tuple(motion.angular.tolist()),
+                joints=speeds.joints,
+                linear=forward,
+                angular=turning,
+                lateral=sideways,
+            )
+        )
+
+    def release(self, press: Press, t: float) -> None:
+        """Publish that a press is over."""
+        self._jog_out.send(JogMessage(t, press=press.serial, mode=press.jog.mode, held=False))
+
+    def lead(self, piece: GoalPiece, t: float) -> None:
+        """Publish a goal that moves for as long as it lasts, as of plant time `t` [s]."""
+        speed = self._speed  # of plant time
+        linear, angular = (tuple((one / speed).tolist()) for one in piece.motion)
+        position, orientation = (tuple(one.tolist()) for one in piece.pose)
+        until = t + min(piece.lasts, self._lease) * speed
+        self._goal_out.send(GoalMessage(t, position, linear, t, until, orientation, angular))
+
+    def stand(self, pose: Pose, t: float) -> None:
+        """Publish a goal that stands, as of plant time `t` [s]."""
+        still = (0.0, 0.0, 0.0)
+        self._goal_out.send(GoalMessage(t, pose.position, still, t, t, pose.orientation))
+
+    def halt(self, by: str, timeout: float) -> bool:
+        """Ask the robot to stop; return whether it has said within `timeout` [s] that it is."""
+        for answer in self._bus.ask(topics.HALT, by.encode(), timeout):
+            state = unpack_valid(OperatorState, answer.data) if answer.agreed else None
+            if state is not None and state.halted:
+                self._answered = state
+                return True
+        return False
+
+    def ask(self, key: str, text: str, timeout: float = 1.0) -> None:
+        """Ask the plant to change its gate, and wait until it has.
+
+        `RequestError` if it does not agree, or is not there.
+        """
+        try:
+            answers = self._bus.ask(key, text.encode(), timeout)
+        except BusError as error:
+            raise RequestError(str(error)) from None
+        if not answers:
+            raise RequestError("the robot does not answer")
+        if not answers[0].agreed:
+            raise RequestError(answers[0].data.decode(errors="replace")[:200])
+        self._answered = unpack_valid(OperatorState, answers[0].data)

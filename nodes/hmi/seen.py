@@ -1,0 +1,43 @@
+"""What the page knows of the robot."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from nodes.hmi.jogging import Hand, Place
+from nodes.hmi.protocol import Pose
+from runtime.wire.operator_messages import OperatorState
+
+
+class Seen(NamedTuple):
+    """What is known of the robot now.
+
+    Attributes:
+        t: Plant time [s].
+        age: Since the plant was last heard of [s].
+        place: Joints and base, as far as known.
+        base_known: Whether the base's pose is known.
+        hand: None if it is not known.
+        goal: The goal in force, perhaps without an orientation; None without one.
+        error: From the hand to the goal [m].
+        operator: What the plant says of its gate; None if nothing, or not lately.
+    """
+
+    t: float
+    age: float
+    place: Place
+    base_known: bool
+    hand: Hand | None
+    goal: Pose | None
+    error: float | None
+    operator: OperatorState | None
+
+
+def pose_of(hand: Hand) -> Pose:
+    """Return a hand as it travels."""
+    return Pose(tuple(hand.position.tolist()), tuple(hand.orientation.tolist()))
+
+
+def hand_of(position: tuple[float, ...], orientation: tuple[float, ...]) -> Hand:
+    """Return a pose as arrays."""
+    return Hand(np.array(position), np.array(orientation))

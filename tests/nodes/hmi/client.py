@@ -1,0 +1,122 @@
+"""A client of the page's socket in place of a browser: it answers each state as if painted."""
+
+import json
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
+from typing import Any, Self
+
+from websockets.exceptions import ConnectionClosed
+from websockets.sync.client import ClientConnection, connect
+
+from nodes.hmi.address import Address
+from tests.runtime.conftest import wait_for
+
+JOG = 0.05  # [s]
+Message = dict[str, Any]
+
+
+def open_socket(
+    address: Address, token: str | None = None, **options: Any
+) -> AbstractContextManager[ClientConnection]:
+    """Open the socket as the page does; `options` replace what a browser would send."""
+    headers = {"Cookie": f"msma-{address.port}={token or address.operator}"}
+    options = {"origin": address.origin, "additional_headers": headers} | options
+    host = address.origin.partition("://")[2]
+    opened: AbstractContextManager[ClientConnection] = connect(
+        f"ws://{host}/socket", compression=None, **options
+    )
+    return opened
+
+
+class Browser:
+    """One browser: keeps the last message of each type, and all others."""
+
+    def __init__(self, address: Address, token: str | None = None) -> None:
+        self.last: dict[str, Message] = {}
+        self.all: list[Message] = []
+        self.paints = True
+        self.presses = self.ids = 0
+        self._stack = ExitStack()
+        self._socket = self._stack.enter_context(open_socket(address, token))
+        self._thread = threading.Thread(target=self._read, daemon=True)
+        self._thread.start()
+
+    def __enter__(self) -> Self:
+        wait_for(lambda: "state" in self.last, "the page's first state")
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._stack.close()
+        self._thread.join()
+
+    def _read(self) -> None:
+        try:
+            for frame in self._socket:
+                message = json.loads(frame)
+                if message["type"] == "state" and self.paints:
+                    self.send("painted", state=message["number"])
+                else:
+                    self.all.append(message)
+                self.last[message["type"]] = message
+        except ConnectionClosed:
+            pass
+
+    @property
+    def state(self) -> Message:
+        return self.last["state"]
+
+    @property
+    def hand(self) -> list[float]:
+        hand: list[float] = self.state["hand"]["position"]
+        return hand
+
+    def send(self, kind: str, **fields: Any) -> None:
+        with suppress(ConnectionClosed):
+            self._socket.send(json.dumps({"type": kind, **fields}))
+
+    def ask(self, kind: str, **fields: Any) -> Message:
+        """Send a request and return what answers it."""
+        self.ids += 1
+        id_, answer = self.ids, "halted" if kind == "halt" else "done"
+        self.send(kind, id=id_, **fields)
+        return self.wait(answer, lambda one: one["id"] == id_)
+
+    def wait(
+        self, kind: str, fits: Callable[[Message], bool] = lambda _: True, timeout: float = 20.0
+    ) -> Message:
+        def found() -> list[Message]:
+            return [one for one in list(self.all) if one["type"] == kind and fits(one)]
+
+        wait_for(lambda: bool(found()), f"a message {kind}", timeout)
+        return found()[-1]
+
+    def wait_state(self, fits: Callable[[Message], bool], what: str) -> Message:
+        wait_for(lambda: fits(self.state), what)
+        return self.state
+
+    def jog(self, press: int, *speeds: float, mode: str = "shared", **fields: Any) -> None:
+        self.send(
+            "jog", press=press, state=self.state["number"], mode=mode, speeds=speeds, **fields
+        )
+
+    @contextmanager
+    def holding(self, *speeds: float, **fields: Any) -> Iterator[int]:
+        """Hold a button, in a thread, until the end of the block; the press is then released."""
+        self.presses += 1
+        press, over = self.presses, threading.Event()
+
+        def hold() -> None:
+            while not over.is_set():
+                self.jog(press, *speeds, **fields)
+                time.sleep(JOG)
+
+        holder = threading.Thread(target=hold)
+        holder.start()
+        try:
+            yield press
+        finally:
+            over.set()
+            holder.join()
+            self.send("let_go", press=press)
