@@ -5,8 +5,12 @@ BIN = $(VENV)/bin
 
 .PHONY: run test clean
 
+# On a terminal it also opens the page from which a person drives the robot, and goes on until Ctrl-C;
+# elsewhere, or with `make run RUN=task`, it ends with the paper's task.
+DEPLOYMENT = $(if $(and $(MAKE_TERMOUT),$(filter-out task,$(or $(RUN),page))),arph-web,arph)
+
 run: $(VENV)/run
-	$(BIN)/msma-launch deploy/arph.yaml
+	$(BIN)/msma-launch deploy/$(DEPLOYMENT).yaml
 
 # Most tests wait for robots in real time, so several run at once: tests/conftest.py says how many.
 test: $(VENV)/test
@@ -24,12 +28,12 @@ $(VENV)/bin/pip:
 COMPILE = $(BIN)/python -m compileall -q agents bench nodes plant runtime studies
 
 $(VENV)/run: pyproject.toml $(VENV)/bin/pip
-	$(BIN)/pip install --quiet --editable '.[keys,plots]'
+	$(BIN)/pip install --quiet --editable '.[keys,plots,web]'
 	$(COMPILE)
 	@touch $@
 
 $(VENV)/test: pyproject.toml $(VENV)/bin/pip
-	$(BIN)/pip install --quiet --editable '.[keys,plots,test]'
+	$(BIN)/pip install --quiet --editable '.[keys,plots,web,test]'
 	$(COMPILE)
 	@touch $@ $(VENV)/run
 

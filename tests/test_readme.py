@@ -81,6 +81,19 @@ def makes(command: str) -> list[str]:
 
 
 @pytest.mark.parametrize(
+    ("options", "file"),
+    [
+        ("", "arph"),
+        ("RUN=task", "arph"),
+        ("MAKE_TERMOUT=/dev/tty", "arph-web"),
+        ("MAKE_TERMOUT=/dev/tty RUN=task", "arph"),
+    ],
+)
+def test_make_opens_the_page_on_a_terminal_only(options, file):
+    assert makes(f"make run {options}")[-1].endswith(f"msma-launch deploy/{file}.yaml")
+
+
+@pytest.mark.parametrize(
     "command", [line for block in (*LAUNCHES, STUDY) for line in commands(block)]
 )
 def test_a_command_that_needs_nothing_running_ends_well(command, place):

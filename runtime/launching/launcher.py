@@ -16,7 +16,7 @@ from runtime.config.chaos import ChaosEvent
 from runtime.config.deployment import Deployment
 from runtime.launching.journal import Journal
 from runtime.processes.lifetime import Shutdown
-from runtime.results.outcome import RunOutcome
+from runtime.results.outcome import RunOutcome, page_of
 from runtime.spawning.local import LocalProcesses, ProcessGroup, end_all
 from runtime.spawning.registry import RegisteredRun, begin_run, forget, register
 from runtime.tls.verification import verify_all
@@ -75,6 +75,7 @@ class Launcher:
         self._processes = LocalProcesses(run) if processes is None else processes
         self._journal = Journal(deployment, run, "launcher", self._roles)
         self._view = View()
+        self._page = ""
 
     def go(self) -> RunOutcome:
         """Carry out the run; `RunError` if a process does not start.
@@ -107,7 +108,8 @@ class Launcher:
             self._loop(refusals)
             self._finish()
         code, reason = self._shutdown.code, self._shutdown.reason or ""
-        return RunOutcome(code, reason, self._view, tuple(journal.events), self._host)
+        events = tuple(journal.events)
+        return RunOutcome(code, reason, self._view, events, self._host, self._page)
 
     def _loop(self, refusals: ConnectionLog | None) -> None:
         """React to what is seen until the run is over, nothing is left, or it is interrupted."""
@@ -127,12 +129,20 @@ class Launcher:
             now = time.monotonic()
             if now >= next_frame:
                 next_frame = now + _FRAME
+                self._show_page()
                 if journal.screen is not None:
                     journal.screen.show(view)
                 if refusals is not None:
                     refusals.look()
             if self._watcher.clock.end(of, now):
                 return
+
+    def _show_page(self) -> None:
+        """Show people where they can drive the robot, once that is known."""
+        if self._deployment.has_page and not self._page:
+            self._page = page_of(self._run)
+            if self._page and self._journal.screen is not None:
+                self._journal.screen.line(f"page: {self._page}")
 
     def _is_ours(self, event: ChaosEvent) -> bool:
         """Tell whether this launcher carries out an event, and not that of another host."""

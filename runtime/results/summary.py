@@ -55,6 +55,7 @@ class Summary:
         evaluation: How well it went; None if the plant logged no motion.
         events: Faults, failures and restarts, in the order of plant time.
         again: The command that repeats the run.
+        page: The address of the page from which a person could drive it; empty without one.
     """
 
     robot: str
@@ -66,6 +67,7 @@ class Summary:
     processes: tuple[ProcessSummary, ...]
     run: Path
     again: str
+    page: str = ""
 
     def to_json(self) -> str:
         """Return the summary for programs, in SI units."""
@@ -175,6 +177,7 @@ def summarise(
         processes=tuple(_processes(deployment, run, outcome)),
         run=run,
         again=shlex.join(["msma", "launch", str(run / "deployment.yaml"), *again]),
+        page=outcome.page,
     )
 
 

@@ -23,7 +23,11 @@ class Screen:
 
     def happened(self, t: float, text: str) -> None:
         """Show what happened at plant time `t` [s]."""
-        say(_event(t, text))
+        self.line(_event(t, text))
+
+    def line(self, text: str) -> None:
+        """Show a line that is not to vanish."""
+        say(text)
 
     def show(self, view: View) -> None:
         """Print the view, unless the last line was printed just before."""
@@ -48,6 +52,9 @@ class LiveTable(Screen):
 
     def happened(self, t: float, text: str) -> None:
         self._console.print(Text(_event(t, text), style="bold yellow"))
+
+    def line(self, text: str) -> None:
+        self._console.print(Text(text, style="bold"), soft_wrap=True)
 
     def show(self, view: View) -> None:
         self._live.update(picture(view, self._duration), refresh=True)

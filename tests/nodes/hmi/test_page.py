@@ -1,0 +1,200 @@
+"""The page's process with a real robot, and clients of its socket in place of browsers."""
+
+import json
+import math
+import os
+import signal
+import time
+from contextlib import suppress
+
+import numpy as np
+from websockets.exceptions import ConnectionClosed
+
+from nodes.hmi.address import Address
+from runtime.results.run_log import read_run_log
+from tests.nodes.hmi.client import Browser, open_socket
+from tests.nodes.hmi.conftest import WebRobot, driven
+from tests.runtime.conftest import ROOT, SOON, wait_for
+
+STILL = 0.001  # [m] that a hand at rest may seem to move
+STOPS_IN, STOPS_WITHIN = 0.5, 0.03  # [s] and [m] in which all is still: the bar
+LIMIT = 0.15  # [m/s] for which that holds
+
+
+def begin_shared(browser: Browser) -> None:
+    assert browser.ask("mode", mode="shared")["ok"]
+    assert browser.ask("limit", limit=LIMIT)["ok"]
+    browser.wait_state(lambda one: one["gate"]["limit"] == LIMIT, "the limit")
+
+
+def assert_rests(robot: WebRobot, since: float) -> None:
+    """From plant time `since` on the robot comes to rest in time, and stays so."""
+    log = robot.motion(since + STOPS_IN + 1.0)
+    after = log.t >= since - 1e-6
+    hand, base, t = log.hand[after], log.base[after], log.t[after]
+    still = t >= since + STOPS_IN
+    for what in (hand, base[:, :2]):
+        off = np.linalg.norm(what - what[0], axis=1)
+        assert off.max() <= STOPS_WITHIN
+        assert np.linalg.norm(what[still] - what[still][0], axis=1).max() <= STILL
+
+
+def test_the_hand_follows_the_button_and_rests_whatever_happens_to_the_page(
+    web_robot: WebRobot,
+) -> None:
+    address = web_robot.begin()
+    with Browser(address) as browser:
+        assert browser.last["hello"]["role"] == "operator"
+        assert browser.state["gate"]["mode"] == "rest"
+        begin_shared(browser)
+        start = np.array(browser.hand)
+        with driven(browser, 0, 1, 0, 0, 0, 0, metres=0.08, camera=math.pi / 2) as state:
+            way = np.array(state["hand"]["position"]) - start  # left of who looks along y is -x
+        assert way[0] < -0.07
+        assert np.linalg.norm(way[1:]) < math.tan(math.radians(30)) * abs(way[0])
+        wait_for(lambda: browser.last["you"]["press"] == 0, "the release")
+        assert_rests(web_robot, browser.state["t"])
+
+        with driven(browser, 1, 0, 0, 0, 0, 0, metres=0.05):
+            os.kill(web_robot.pid("hmi"), signal.SIGKILL)
+            killed = time.time()
+        web_robot.until(web_robot.t + 1.0)
+        assert_rests(web_robot, read_run_log(web_robot.run_folder).t_at(killed))
+
+    revived = web_robot.tool("revive", "hmi")
+    assert revived.returncode == 0, revived.stderr
+    assert web_robot.address == address  # the same tokens, so that browsers find it again
+    with Browser(address) as browser:
+        t = browser.wait_state(lambda one: one["gate"], "the gate")["t"]
+        assert browser.state["gate"]["mode"] == "shared"
+        assert web_robot.moved(t, t + 1.0) <= STILL
+        with driven(browser, -1, 0, 0, 0, 0, 0, metres=0.02):
+            pass
+
+
+def test_one_drives_and_anybody_stops_which_lasts_until_it_is_released(
+    web_robot: WebRobot,
+) -> None:
+    address = web_robot.begin()
+    with Browser(address) as one, Browser(address, address.engineer) as other:
+        begin_shared(one)
+        with driven(one, 0, 0, 1, 0, 0, 0, metres=0.02):
+            with other.holding(0, 0, -1, 0, 0, 0):
+                other.wait("said", lambda said: said["key"] == "refused.driver")
+            assert other.ask("mode", mode="manual")["key"] == "refused.driver"
+            halted = other.ask("halt")
+            assert halted["confirmed"]
+            one.wait("ended", lambda ended: ended["why"] == "press.halted")
+        state = one.wait_state(lambda state: state["gate"]["halted"], "the halt")
+        assert "viewer 2" in state["gate"]["by"]
+        assert state["driver"] is None
+
+        web_robot.tool("kill", "hmi")
+    assert web_robot.tool("revive", "hmi").returncode == 0
+    with Browser(address, address.engineer) as browser:
+        state = browser.wait_state(lambda state: state["gate"], "the gate")
+        assert state["gate"]["halted"]
+        t, mode = state["t"], browser.ask("mode", mode="shared")
+        assert (mode["ok"], mode["key"]) == (False, "refused.robot")
+        assert browser.ask("release")["ok"]
+        browser.wait_state(lambda state: not state["gate"]["halted"], "the release")
+        assert browser.state["gate"]["mode"] == "rest"
+        assert web_robot.moved(t, browser.state["t"] + 0.5) <= STILL
+
+        plant = web_robot.pid("plant")
+        assert browser.ask("act", what="hang", role="plant")["ok"]
+        browser.send("halt", id=1000)
+        browser.wait("halted", lambda one: one["id"] == 1000 and not one["confirmed"])
+        assert browser.ask("act", what="resume", role="plant")["ok"]
+        browser.wait("halted", lambda one: one["id"] == 1000 and one["confirmed"])
+        assert web_robot.pid("plant") == plant
+
+
+def test_a_place_is_saved_left_and_come_back_to_and_an_engineer_breaks_things(
+    web_robot: WebRobot,
+) -> None:
+    address = web_robot.begin()
+    with Browser(address) as browser:
+        assert browser.ask("save", place="mouth")["ok"]
+        place = browser.wait("places")["places"]["mouth"]
+        begin_shared(browser)
+        with driven(browser, 0, 0, 1, 0, 0, 0, metres=0.06):
+            pass
+
+        def off() -> float:
+            return math.dist(browser.hand, place["position"])
+
+        while off() > 0.005:
+            with browser.holding(1.0, target=place) as press:
+                browser.wait("ended", lambda one, press=press: one["press"] == press)  # type: ignore[misc]
+        assert browser.ask("act", what="kill", role="joint/2")["key"] == "refused.role"
+        assert browser.ask("fault", fault="joint/1:locked")["key"] == "refused.role"
+        assert browser.ask("go", place="nowhere")["key"] == "refused.place"
+    with Browser(address, address.engineer) as engineer:
+        assert engineer.last["hello"]["places"] == {"mouth": place}
+        assert engineer.ask("act", what="kill", role="joint/2")["ok"]
+        engineer.wait("happened", lambda one: one["what"]["key"] == "process.gone")
+        assert engineer.ask("act", what="revive", role="joint/2")["ok"]
+        engineer.wait("happened", lambda one: one["what"]["key"] == "process.came")
+        assert engineer.ask("fault", fault="joint/1:locked")["ok"]
+        wait_for(lambda: web_robot.log("plant", "fault"), "the fault")
+        bad = engineer.ask("fault", fault="joint/9:locked")
+        assert "joint/9" in bad["params"]["why"]
+        rows = engineer.last["processes"]["rows"]
+        assert {one["role"] for one in rows} == set(engineer.last["hello"]["processes"])
+
+
+def flood(address: Address, frames: list[str]) -> int:
+    """Send as fast as it goes until the connection is closed; return how many frames that took."""
+    sent = 0
+    with suppress(ConnectionClosed), open_socket(address) as socket:
+        while sent < 10_000:
+            socket.send(frames[sent % len(frames)])
+            sent += 1
+    return sent
+
+
+def test_floods_and_nonsense_are_refused_counted_and_move_nothing(web_robot: WebRobot) -> None:
+    address = web_robot.begin()
+    jog = {"type": "jog", "press": 1, "state": 1, "mode": "shared", "speeds": [1, 0, 0, 0, 0, 0]}
+    halves = [json.dumps(jog)[:40], "", "[]", "null", '{"type":"jog"}', '{"type":"kill"}']
+    wild = [
+        jog | {"speeds": [2.0]},
+        jog | {"speeds": [0.0] * 7},
+        jog | {"press": -1},
+        jog | {"speeds": "fast"},
+        jog | {"camera": 1e300},
+        jog | {"more": 1},
+        {"type": "act", "id": 1, "what": "kill", "role": "../../etc"},
+        {"type": "save", "id": 1, "place": "\x1b[2J"},
+        {"type": "limit", "id": 1, "limit": -1},
+    ]
+    nonsense = [*halves, *(json.dumps(one) for one in wild)]
+    with Browser(address, address.engineer) as browser:
+        begin_shared(browser)
+        t = browser.state["t"]
+        with open_socket(address) as socket:
+            for frame in [*nonsense, "\x00", '{"a":' * 500]:
+                socket.send(frame)
+            socket.send(b"\xff\xfe")
+        assert flood(address, [json.dumps(jog | {"press": n}) for n in range(1, 100)]) < 10_000
+        assert flood(address, nonsense) < 10_000
+        wait_for(lambda: browser.last["processes"]["refused"].get("flood") == 2, "the count", SOON)
+        assert browser.last["processes"]["refused"]["malformed"] >= len(nonsense) + 3
+        with driven(browser, 0, 0, 1, 0, 0, 0, metres=0.02):
+            pass
+        before = browser.state["t"]
+        assert before > t
+        assert browser.ask("halt")["confirmed"]
+
+
+def test_msma_web_finds_the_page_of_a_robot_that_runs(web_robot: WebRobot) -> None:
+    address = web_robot.begin()
+    file = str(ROOT / "deploy" / "arph-web.yaml")
+    said = web_robot.msma_web(file, "--robot", web_robot.name)
+    assert said.stdout.splitlines()[0] == f"page: {address.page}"
+    (launcher,) = web_robot._started
+    launcher.send_signal(signal.SIGINT)
+    out, _ = launcher.communicate(timeout=60.0)
+    assert f"page: {address.page}" in out.splitlines()
+    assert web_robot.summary["page"] == address.page
