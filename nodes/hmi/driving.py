@@ -104,6 +104,8 @@ class Driving:
                 ends += self._presses.end("plant")
         self._end(press, ends, now)
         self.announce(self.drivers.look(now))
+        if operator is not None and operator.halted:
+            self.announce(self.drivers.revoke())
         if operator is None or operator.mode != "automatic" or operator.halted:
             self.marker = None
         if self.marker is not None:

@@ -169,6 +169,14 @@ def test_a_stop_ends_what_moves_and_lets_nobody_drive() -> None:
     assert case.keys(None) == ["drive.free"]
 
 
+def test_a_stop_from_elsewhere_does_so_too() -> None:
+    case = Case()
+    case.driving.jog(1, FORWARD, 0.1)
+    case.driving.look(SEEN._replace(operator=replace(SHARED, halted=True, halted_by="x")), 0.15)
+    assert case.driving.drivers.driver is None
+    assert case.keys(None) == ["drive.free"]
+
+
 def test_what_the_driver_holds_ends_when_another_takes_over() -> None:
     case = Case()
     case.driving.jog(1, FORWARD, 0.1)
