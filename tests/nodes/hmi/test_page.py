@@ -6,6 +6,7 @@ import os
 import signal
 import time
 from contextlib import suppress
+from itertools import cycle
 
 import numpy as np
 from websockets.exceptions import ConnectionClosed
@@ -144,14 +145,11 @@ def test_a_place_is_saved_left_and_come_back_to_and_an_engineer_breaks_things(
         assert {one["role"] for one in rows} == set(engineer.last["hello"]["processes"])
 
 
-def flood(address: Address, frames: list[str]) -> int:
-    """Send as fast as it goes until the connection is closed; return how many frames that took."""
-    sent = 0
+def flood(address: Address, frames: list[str]) -> None:
+    """Send as fast as it goes until the connection is closed."""
     with suppress(ConnectionClosed), open_socket(address) as socket:
-        while sent < 10_000:
-            socket.send(frames[sent % len(frames)])
-            sent += 1
-    return sent
+        for frame in cycle(frames):
+            socket.send(frame)
 
 
 def test_floods_and_nonsense_are_refused_counted_and_move_nothing(web_robot: WebRobot) -> None:
@@ -177,8 +175,8 @@ def test_floods_and_nonsense_are_refused_counted_and_move_nothing(web_robot: Web
             for frame in [*nonsense, "\x00", '{"a":' * 500]:
                 socket.send(frame)
             socket.send(b"\xff\xfe")
-        assert flood(address, [json.dumps(jog | {"press": n}) for n in range(1, 100)]) < 10_000
-        assert flood(address, nonsense) < 10_000
+        flood(address, [json.dumps(jog | {"press": n}) for n in range(1, 100)])
+        flood(address, nonsense)
         wait_for(lambda: browser.last["processes"]["refused"].get("flood") == 2, "the count", SOON)
         assert browser.last["processes"]["refused"]["malformed"] >= len(nonsense) + 3
         with driven(browser, 0, 0, 1, 0, 0, 0, metres=0.02):
