@@ -95,16 +95,18 @@ def test_more_agents_than_slots_are_refused(monkeypatch: pytest.MonkeyPatch) -> 
 
 @pytest.mark.parametrize("file", SHIPPED)
 def test_what_is_shipped_is_valid(file: Path) -> None:
-    assert load(file).duration is not None
+    deployment = load(file)
+    assert (deployment.duration is None) == deployment.has_page  # which goes on for a person
 
 
 @pytest.mark.parametrize("file", SHIPPED)
 def test_the_goal_of_what_is_shipped_is_within_reach_to_its_end(file: Path) -> None:
     deployment = load(file)
     assert deployment.goal is not None
-    assert deployment.duration is not None
+    duration = deployment.duration or deployment.start.rest_after
+    assert duration is not None
     path, robot = deployment.goal.build(), deployment.description.robot
-    aim = aim_at(ONE, path.piece(deployment.duration), deployment.duration)
+    aim = aim_at(ONE, path.piece(duration), duration)
     base, q = np.array(deployment.start.base), np.array(deployment.start.joints)
     roams = robot.drive is not None
     assert deployment.tolerance.allows(*smallest_error(robot, aim, base, q, roams=roams))
