@@ -27,6 +27,12 @@ $(VENV)/bin/pip:
 # every process would compile all its imports again, and take a quarter longer to start.
 COMPILE = $(BIN)/python -m compileall -q agents bench nodes plant runtime studies
 
+# The tests of the operator's page need a browser; without one they are skipped, and say so.
+CHROMIUM = command -v chromium >/dev/null || command -v chromium-browser >/dev/null || \
+	if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
+		apt-get update -q && apt-get install -qy --no-install-recommends chromium; \
+	else echo 'No Chromium: the tests of the page will be skipped'; fi
+
 $(VENV)/run: pyproject.toml $(VENV)/bin/pip
 	$(BIN)/pip install --quiet --editable '.[keys,plots,web]'
 	$(COMPILE)
@@ -35,6 +41,7 @@ $(VENV)/run: pyproject.toml $(VENV)/bin/pip
 $(VENV)/test: pyproject.toml $(VENV)/bin/pip
 	$(BIN)/pip install --quiet --editable '.[keys,plots,web,test]'
 	$(COMPILE)
+	@$(CHROMIUM)
 	@touch $@ $(VENV)/run
 
 clean:

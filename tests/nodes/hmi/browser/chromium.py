@@ -1,0 +1,73 @@
+"""A real Chromium for the tests of the page, and what they need of it."""
+
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import pytest
+
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
+ARGUMENTS = (
+    "--use-angle=swiftshader",  # WebGL without a graphics card
+    "--enable-unsafe-swiftshader",
+    "--no-sandbox",  # as root
+    "--disable-background-networking",
+    "--no-first-run",
+    "--disable-sync",
+    "--disable-component-update",
+)
+PATIENT = 60_000  # [ms] for which a busy machine may take until something is on the page
+
+
+def need_chromium() -> None:
+    """Skip without Chromium or Playwright, and say so."""
+    pytest.importorskip("playwright", reason="needs Playwright: pip install 'msma[test]'")
+    if CHROMIUM is None:
+        pytest.skip("needs Chromium: apt-get install --no-install-recommends chromium")
+
+
+@contextmanager
+def playwright() -> Iterator[Any]:
+    """Run Playwright (`playwright.sync_api.Playwright`), of which there is one a process."""
+    need_chromium()
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as running:
+        yield running
+
+
+@contextmanager
+def chromium(running: Any) -> Iterator[Any]:
+    """Run a Chromium (`playwright.sync_api.Browser`) of its own."""
+    browser = running.chromium.launch(executable_path=CHROMIUM, args=ARGUMENTS, timeout=4 * PATIENT)
+    try:
+        yield browser
+    finally:
+        browser.close()
+
+
+@contextmanager
+def tab(browser: Any, address: str, **more: Any) -> Iterator[Any]:
+    """Open an address in a tab of a new profile, and fail on what its console says of errors."""
+    context = browser.new_context(**{"viewport": {"width": 1280, "height": 900}, **more})
+    context.set_default_timeout(PATIENT)
+    page = context.new_page()
+    wrong: list[str] = []
+    page.on("pageerror", lambda error: wrong.append(str(error)))
+    page.on("console", lambda line: wrong.append(line.text) if _is_error(line) else None)
+    page.goto(address)
+    try:
+        yield page
+    finally:
+        context.close()
+    assert not wrong, wrong
+
+
+def _is_error(line: Any) -> bool:
+    """Tell whether a line of the console is an error of the page.
+
+    A lost connection is none, nor is the icon that a browser asks for by itself.
+    """
+    harmless = "WebSocket connection" in line.text or "favicon" in line.location["url"]
+    return line.type == "error" and not harmless

@@ -1,0 +1,244 @@
+"""The page for everybody: names, axe, sizes, keyboard, switches, without WebGL, French."""
+
+from typing import Any
+
+import pytest
+
+from tests.nodes.hmi.browser.chromium import tab
+from tests.nodes.hmi.browser.stub import Stub, wait_until
+
+BUTTONS = (
+    *("STOP", "Release", "Forward", "Back", "Left", "Right", "Up", "Down", "Open", "Close"),
+    *("Roll left", "Roll right", "Pitch up", "Pitch down", "Yaw left", "Yaw right"),
+)
+MODES = "Rest", "Automatic", "Shared", "Manual"
+LEAST = 64  # [px] of a target
+TARGETS = "button, a, select, input, summary, [role=radio]"
+SMALL = """least => [...document.querySelectorAll('TARGETS')]
+  .filter(it => it.offsetParent !== null && !it.matches('.skip, input[type=checkbox]'))
+  .map(it => [it.id || it.textContent, it.getBoundingClientRect()])
+  .filter(([_, {width, height}]) => width < least || height < least)
+  .map(([name, {width, height}]) => `${name}: ${width} x ${height}`)
+""".replace("TARGETS", TARGETS)
+LOSE = "document.querySelector('#scene').getContext('webgl2').getExtension('WEBGL_lose_context')"
+
+
+def violations(page: Any) -> list[str]:
+    """Return what axe finds against WCAG 2.2 AA."""
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright")
+    tags = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"]
+    found = axe.Axe().run(page, options={"runOnly": {"type": "tag", "values": tags}})
+    return [
+        f"{each['id']}: {[node['target'] for node in each['nodes']]}"
+        for each in found.response["violations"]
+    ]
+
+
+def open_all(page: Any) -> None:
+    page.evaluate("document.querySelectorAll('details').forEach(it => it.open = true)")
+
+
+def test_everything_has_the_names_that_are_agreed(page: Any) -> None:
+    for name in BUTTONS:
+        assert page.get_by_role("button", name=name, exact=True).count() == 1, name
+    modes = page.get_by_role("radiogroup", name="Mode", exact=True)
+    assert [modes.get_by_role("radio", name=name, exact=True).count() for name in MODES] == [1] * 4
+    page.get_by_role("status").get_by_text("Mode: Shared.").wait_for()
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_axe_finds_nothing_in_any_mode(browser: Any, stub: Stub, scheme: str) -> None:
+    with tab(browser, stub.address, color_scheme=scheme) as page:
+        page.get_by_role("radio", name="Rest", checked=True).wait_for()
+        assert violations(page) == []  # with the first help
+        page.get_by_role("button", name="Close help").click()
+        open_all(page)
+        for name in MODES:
+            page.get_by_role("radio", name=name, exact=True).click()
+            page.get_by_role("radio", name=name, exact=True, checked=True).wait_for()
+            assert violations(page) == []
+        page.get_by_role("button", name="STOP", exact=True).click()
+        page.get_by_text("STOP confirmed by").wait_for()
+        assert violations(page) == []
+
+
+def test_axe_finds_nothing_in_the_engineers_view(browser: Any, stub: Stub) -> None:
+    with tab(browser, f"{stub.address}engineer.html") as page:
+        page.get_by_role("button", name="joint/1").wait_for()
+        assert violations(page) == []
+
+
+@pytest.mark.parametrize("width", [320, 390, 1280])
+@pytest.mark.parametrize("view", ["", "engineer.html"])
+def test_targets_are_large_and_nothing_is_wider_than_the_window(
+    browser: Any, stub: Stub, width: int, view: str
+) -> None:
+    stub.mode = "manual"
+    with tab(browser, stub.address + view, viewport={"width": width, "height": 640}) as page:
+        page.get_by_role("status").get_by_text("Mode: Manual.").wait_for()
+        open_all(page)
+        assert page.evaluate(SMALL, LEAST) == []
+        assert page.evaluate("document.documentElement.scrollWidth") <= width
+
+
+@pytest.mark.parametrize(("width", "height"), [(320, 640), (390, 844), (640, 400)])
+def test_everything_is_reached_by_tab_and_its_focus_is_never_hidden(
+    page: Any, width: int, height: int
+) -> None:
+    open_all(page)
+    page.set_viewport_size({"width": width, "height": height})
+    wanted = page.evaluate(
+        f"""[...document.querySelectorAll('{TARGETS}')].filter(
+          it => it.offsetParent !== null && it.tabIndex >= 0).length"""
+    )
+    page.evaluate("document.activeElement.blur(); window.scrollTo(0, 0)")
+    reached = set()
+    for _ in range(wanted):
+        page.keyboard.press("Tab")
+        at, hidden = page.evaluate("""() => {
+          const it = document.activeElement, box = it.getBoundingClientRect();
+          const seen = [[0.5, 0.2], [0.5, 0.8]].map(([x, y]) =>
+            document.elementFromPoint(box.x + x * box.width, box.y + y * box.height));
+          const all = [...document.querySelectorAll('*')];
+          return [all.indexOf(it), !seen.every(found => it.contains(found))];
+        }""")
+        assert not hidden, page.evaluate("document.activeElement.outerHTML")
+        reached.add(at)
+    assert len(reached) == wanted
+
+
+def test_the_arrow_keys_pass_over_modes_without_choosing_them(page: Any, stub: Stub) -> None:
+    page.get_by_role("radio", name="Shared").focus()
+    page.keyboard.press("ArrowLeft")
+    page.keyboard.press("ArrowLeft")
+    assert not stub.of("mode")
+    page.keyboard.press("Enter")
+    wait_until(lambda: stub.of("mode"), "a mode is chosen")
+    assert stub.of("mode")[0]["mode"] == "rest"
+
+
+def test_forced_colours_and_reduced_motion_leave_everything_to_be_seen(page: Any) -> None:
+    page.emulate_media(forced_colors="active", reduced_motion="reduce")
+    stop = page.get_by_role("button", name="STOP", exact=True)
+    style = "it => [getComputedStyle(it).borderStyle, getComputedStyle(it).transitionDuration]"
+    assert stop.evaluate(style) == ["double", "0s"]
+    assert violations(page) == []
+
+
+def test_single_keys_move_nothing_until_they_are_switched_on(page: Any, stub: Stub) -> None:
+    page.locator("body").press("ArrowUp", delay=300)
+    page.locator("body").press("Escape")
+    assert not stub.of("jog")
+    assert not stub.of("halt")
+    page.locator("#settings summary").click()
+    page.locator("#setting-keys").get_by_role("radio", name="On").click()
+    page.evaluate("document.activeElement.blur()")
+    page.locator("body").press("ArrowUp", delay=300)
+    wait_until(lambda: stub.of("let_go"), "it moves and stops")
+    assert stub.of("jog")[0]["speeds"][:3] == [0.5, 0, 0]
+    page.locator("body").press("Escape")
+    wait_until(lambda: stub.of("halt"), "it stops")
+
+
+def marked(page: Any) -> str:
+    text: str = page.evaluate(
+        "(it => it ? it.id || it.dataset.move || it.dataset.scan : '')"
+        "(document.querySelector('.marked'))"
+    )
+    return text
+
+
+def test_two_switches_reach_a_button_and_stop_is_in_every_round(page: Any, stub: Stub) -> None:
+    page.locator("#settings summary").click()
+    page.get_by_role("radio", name="Two switches").click()
+    rounds: list[str] = []
+    while (at := marked(page)) not in rounds:
+        rounds.append(at)
+        page.keyboard.press("Space")
+    assert {"stop", "mode", "hand", "turn", "grip", "places"} <= {*rounds}
+    while marked(page) != "hand":
+        page.keyboard.press("Space")
+    page.keyboard.press("Enter")
+    inside: list[str] = []
+    while (at := marked(page)) not in inside:
+        inside.append(at)
+        page.keyboard.press("Space")
+    assert "stop" in inside
+    while marked(page) != "up":
+        page.keyboard.press("Space")
+    page.keyboard.down("Enter")
+    wait_until(lambda: len(stub.of("jog")) > 3, "it moves while the switch is held")
+    page.keyboard.up("Enter")
+    wait_until(lambda: stub.of("let_go"), "it stops")
+    assert stub.of("jog")[-1]["speeds"][:3] == [0, 0, 0.5]
+    while marked(page) != "stop":
+        page.keyboard.press("Space")
+    page.keyboard.press("Enter")
+    wait_until(lambda: stub.of("halt"), "STOP")
+
+
+def test_one_switch_is_enough(page: Any, stub: Stub) -> None:
+    page.locator("#settings summary").click()
+    page.get_by_role("radio", name="Click-click").click()
+    page.get_by_role("radio", name="One switch").click()
+    page.get_by_role("radio", name="0.8 s").click()
+
+    def choose(what: str) -> None:
+        page.locator(f".marked[data-scan={what}], .marked[data-move={what}]").wait_for()
+        page.keyboard.press("Space")
+
+    choose("hand")
+    choose("up")
+    wait_until(lambda: len(stub.of("jog")) > 3, "it moves")
+    page.keyboard.press("Space")
+    wait_until(lambda: stub.of("let_go"), "the next press stops it")
+    page.locator("#stop.marked").wait_for()
+    page.keyboard.press("Space")
+    wait_until(lambda: stub.of("halt"), "STOP")
+
+
+def test_without_webgl_the_buttons_work(browser: Any, stub: Stub) -> None:
+    stub.mode = "shared"
+    context = browser.new_context()
+    context.add_init_script("HTMLCanvasElement.prototype.getContext = () => null")
+    page = context.new_page()
+    page.goto(stub.address)
+    page.get_by_text("No 3D picture on this device").wait_for()
+    page.get_by_text("m high").wait_for()
+    page.locator("[data-move=up]").press("Space", delay=400)
+    wait_until(lambda: stub.of("let_go"), "it moves and stops")
+    states = [message["state"] for message in stub.of("jog")]
+    assert states[-1] > states[0] > 0
+    context.close()
+
+
+def test_when_webgl_is_lost_the_buttons_go_on_working(page: Any, stub: Stub) -> None:
+    page.locator("body[data-picture=drawn]").wait_for()
+    page.evaluate(f"{LOSE}.loseContext()")
+    page.get_by_text("No 3D picture on this device").wait_for()
+    page.locator("[data-move=up]").press("Space", delay=400)
+    wait_until(lambda: stub.of("let_go"), "it moves and stops")
+    states = [message["state"] for message in stub.of("jog")]
+    assert states[-1] > states[0]
+
+
+def test_the_page_speaks_french_and_remembers_it(page: Any) -> None:
+    page.get_by_label("Language").select_option("fr")
+    page.get_by_role("button", name="Monter", exact=True).wait_for()
+    page.get_by_role("status").get_by_text("Mode : Partagé.").wait_for()
+    page.reload()
+    page.get_by_role("button", name="Descendre", exact=True).wait_for()
+    assert violations(page) == []
+
+
+def test_no_request_leaves_the_host(browser: Any, stub: Stub) -> None:
+    asked = []
+    context = browser.new_context()
+    page = context.new_page()
+    page.on("request", lambda request: asked.append(request.url))
+    for view in ("", "engineer.html"):
+        page.goto(stub.address + view)
+        page.get_by_role("status").get_by_text("Mode: Rest.").wait_for()
+    context.close()
+    assert asked
+    assert not [url for url in asked if not url.startswith(stub.address)]

@@ -1,0 +1,210 @@
+"""Whatever ends a press in the browser: no jog follows, and nothing moves without a new press."""
+
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+
+from tests.nodes.hmi.browser.chromium import tab
+from tests.nodes.hmi.browser.letting_go import HIDE, middle, touch
+from tests.nodes.hmi.browser.stub import Stub, wait_until
+
+QUIET = 0.4  # [s] in which a press that went on would have been sent eight times
+
+
+def hold(page: Any, stub: Stub, name: str = "Up") -> Any:
+    """Press the mouse on a button and wait until the hand moves."""
+    button = page.get_by_role("button", name=name, exact=True)
+    button.scroll_into_view_if_needed()
+    button.hover()
+    page.mouse.down()
+    wait_until(lambda: len(stub.of("jog")) > 2, "jogs arrive")
+    return button
+
+
+def is_over(stub: Stub) -> None:
+    """Wait until no jog arrives any more, and check that none comes later."""
+    last = [-1]
+
+    def quiet() -> bool:
+        before, last[0] = last[0], len(stub.of("jog"))
+        time.sleep(QUIET)
+        return before == len(stub.of("jog"))
+
+    wait_until(quiet, "no more jogs")
+
+
+ENDS: dict[str, Callable[[Any, Stub], object]] = {
+    "the button is let go": lambda page, _: page.mouse.up(),
+    "the pointer leaves": lambda page, _: page.mouse.move(5, 5),
+    "a menu": lambda page, _: page.mouse.down(button="right"),
+    "the menu key": lambda page, _: page.evaluate("dispatchEvent(new Event('contextmenu'))"),
+    "the window loses the focus": lambda page, _: page.evaluate("dispatchEvent(new Event('blur'))"),
+    "the tab is hidden": lambda page, _: page.evaluate(HIDE),
+    "the page is left": lambda page, _: page.evaluate("dispatchEvent(new Event('pagehide'))"),
+    "the page is loaded again": lambda page, _: page.reload(),
+    "the tab is closed": lambda page, _: page.close(),
+    "another button by key": lambda page, _: page.keyboard.press("a"),
+    "the connection is lost": lambda page, stub: stub.drop(),
+    "the connection stalls": lambda page, stub: setattr(stub, "silent", True),
+    "the server ends it": lambda page, stub: stub.send(
+        {"type": "ended", "press": stub.of("jog")[-1]["press"], "why": "press.lease"}
+    ),
+    "STOP by the keyboard": lambda page, _: page.locator("#stop").press("Enter"),
+    "another mode": lambda page, _: page.get_by_role("radio", name="Rest").press("Enter"),
+}
+
+
+@pytest.mark.parametrize("end", ENDS)
+def test_a_held_button_is_over_with(page: Any, stub: Stub, end: str) -> None:
+    hold(page, stub)
+    number = stub.of("jog")[-1]["press"]
+    ENDS[end](page, stub)
+    is_over(stub)
+    stub.silent = False
+    assert stub.of("jog")[-1]["press"] == number
+    is_over(stub)  # also when the connection is back, with the button still held
+
+
+def test_pressing_again_is_a_new_press(page: Any, stub: Stub) -> None:
+    hold(page, stub)
+    page.mouse.up()
+    wait_until(lambda: stub.of("let_go"), "it is let go")
+    page.mouse.down()
+    wait_until(lambda: stub.of("jog")[-1]["press"] == 2, "a second press")
+    page.mouse.up()
+    wait_until(lambda: len(stub.of("let_go")) == 2, "it is let go")
+    assert [message["press"] for message in stub.of("let_go")] == [1, 2]
+
+
+def test_a_button_moves_nothing_before_a_mode_is_chosen_and_says_so(page: Any, stub: Stub) -> None:
+    stub.mode = "rest"
+    page.locator("[data-move=up][aria-disabled=true]").wait_for()
+    page.get_by_role("button", name="Up", exact=True).click(force=True)
+    page.get_by_role("status").get_by_text("choose Shared or Manual").wait_for()
+    assert not stub.of("jog")
+
+
+@pytest.fixture
+def phone(browser: Any, stub: Stub) -> Iterator[Any]:
+    """Open the page as on a phone."""
+    stub.mode = "shared"
+    size = {"width": 390, "height": 844}
+    with tab(browser, stub.address, viewport=size, has_touch=True, is_mobile=True) as page:
+        page.get_by_role("button", name="Close help").tap()
+        page.locator("[data-move=up]:not([aria-disabled=true])").wait_for()
+        page.locator("[data-move=up]").evaluate("it => it.scrollIntoView({block: 'center'})")
+        yield page
+
+
+def test_a_finger_holds_for_as_long_as_it_likes_and_no_longer(phone: Any, stub: Stub) -> None:
+    up = phone.locator("[data-move=up]")
+    touch(phone, "touchStart", middle(up))
+    wait_until(lambda: len(stub.of("jog")) > 30, "it goes on after a long touch asks for a menu")
+    assert {message["press"] for message in stub.of("jog")} == {1}
+    touch(phone, "touchEnd")
+    is_over(stub)
+
+
+@pytest.mark.parametrize("where", ["left", "stop"])
+def test_a_second_finger_ends_the_press_of_the_first(phone: Any, stub: Stub, where: str) -> None:
+    up = phone.locator("[data-move=up]")
+    other = phone.locator("#stop" if where == "stop" else "[data-move=left]")
+    touch(phone, "touchStart", middle(up))
+    wait_until(lambda: len(stub.of("jog")) > 2, "jogs arrive")
+    touch(phone, "touchStart", middle(up), middle(other))
+    is_over(stub)
+    assert {message["press"] for message in stub.of("jog")} == {1}
+    assert bool(stub.of("halt")) == (where == "stop")
+    touch(phone, "touchEnd")
+    is_over(stub)
+
+
+def test_a_touch_that_the_system_takes_away_ends_the_press(phone: Any, stub: Stub) -> None:
+    touch(phone, "touchStart", middle(phone.locator("[data-move=up]")))
+    wait_until(lambda: len(stub.of("jog")) > 2, "jogs arrive")
+    touch(phone, "touchCancel")
+    is_over(stub)
+
+
+@pytest.mark.parametrize("key", ["Space", "Enter"])
+def test_a_key_holds_and_lets_go(page: Any, stub: Stub, key: str) -> None:
+    page.locator("[data-move=left]").focus()
+    page.keyboard.down(key)
+    wait_until(lambda: len(stub.of("jog")) > 3, "jogs arrive")
+    page.keyboard.down(key)  # the key repeats
+    page.keyboard.up(key)
+    is_over(stub)
+    assert {message["press"] for message in stub.of("jog")} == {1}
+    assert stub.of("jog")[-1]["speeds"][:3] == [0, 0.5, 0]
+
+
+def test_a_key_whose_button_loses_the_focus_is_let_go(page: Any, stub: Stub) -> None:
+    page.locator("[data-move=left]").focus()
+    page.keyboard.down("Space")
+    wait_until(lambda: len(stub.of("jog")) > 3, "jogs arrive")
+    page.evaluate("document.activeElement.blur()")
+    is_over(stub)
+
+
+def test_a_step_goes_on_until_the_server_ends_it(page: Any, stub: Stub) -> None:
+    page.locator("#settings summary").click()
+    page.get_by_role("radio", name="Step", exact=True).click()
+    page.get_by_role("button", name="Up", exact=True).click()
+    wait_until(lambda: len(stub.of("jog")) > 5, "the step goes on")
+    assert stub.of("jog")[0]["step"] == 0.02
+    stub.send({"type": "ended", "press": 1, "why": "press.step"})
+    is_over(stub)
+
+
+def test_a_click_moves_until_the_next_click_anywhere_and_never_longer_than_its_time(
+    page: Any, stub: Stub
+) -> None:
+    page.locator("#settings summary").click()
+    page.get_by_role("radio", name="Click-click").click()
+    page.get_by_role("radio", name="1 s", exact=True).click()
+    up = page.get_by_role("button", name="Up", exact=True)
+    up.click()
+    wait_until(lambda: stub.of("jog"), "it moves")
+    is_over(stub)
+    began, ended = stub.of("jog")[0]["at"], stub.of("let_go")[-1]["at"]
+    assert ended - began > 0.9
+    page.get_by_role("radio", name="10 s").click()
+    up.click()
+    wait_until(lambda: stub.of("jog")[-1]["press"] == 2, "it moves")
+    up.click()
+    is_over(stub)
+    assert stub.of("jog")[-1]["press"] == 2
+
+
+def test_a_screen_readers_click_is_a_step(page: Any, stub: Stub) -> None:
+    page.locator("[data-move=up]").evaluate("button => button.click()")
+    wait_until(lambda: stub.of("jog"), "it moves")
+    assert stub.of("jog")[0]["step"] == 0.02
+
+
+PAD = """() => {
+  window.pad = {id: 'a stick', index: 0, connected: true, axes: [0, -1, 0, 0], buttons: []};
+  navigator.getGamepads = () => [window.pad];
+}"""
+
+
+def test_a_joystick_moves_only_after_it_was_let_go_and_stops_when_it_is_unplugged(
+    page: Any, stub: Stub
+) -> None:
+    page.evaluate(PAD)
+    page.locator("#settings summary").click()
+    page.locator("#setting-pad").get_by_role("radio", name="On").click()
+    page.get_by_role("status").get_by_text("a stick").wait_for()
+    time.sleep(QUIET)
+    assert not stub.of("jog"), "it was not let go before"
+    page.evaluate("pad.axes = [0, 0, 0, 0]")
+    time.sleep(QUIET)
+    page.evaluate("pad.axes = [0, -1, 0, 0]")
+    wait_until(lambda: len(stub.of("jog")) > 3, "it moves")
+    assert stub.of("jog")[-1]["speeds"][:3] == [0.5, 0, 0]
+    page.evaluate("navigator.getGamepads = () => [null]")
+    is_over(stub)
+    page.evaluate("navigator.getGamepads = () => [pad]")
+    is_over(stub)

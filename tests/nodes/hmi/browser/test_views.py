@@ -1,0 +1,151 @@
+"""What the two views send and show."""
+
+from typing import Any
+
+import pytest
+
+from tests.nodes.hmi.browser.chromium import tab
+from tests.nodes.hmi.browser.stub import Stub, wait_until
+
+
+def test_states_are_answered_once_they_are_painted(page: Any, stub: Stub) -> None:
+    page.locator("body[data-picture=drawn]").wait_for()
+    before = len(stub.of("painted"))
+    wait_until(lambda: len(stub.of("painted")) > before + 5, "painted states are answered")
+    numbers = [message["state"] for message in stub.of("painted")]
+    assert numbers == sorted(set(numbers))
+
+
+@pytest.mark.parametrize(
+    ("frame", "sent"),
+    [("The robot's", "robot"), ("The gripper's", "gripper"), ("As in the picture", "mine")],
+)
+def test_a_direction_is_in_the_frame_that_was_chosen(
+    page: Any, stub: Stub, frame: str, sent: str
+) -> None:
+    page.locator("body[data-picture=drawn]").wait_for()
+    page.locator("#settings summary").click()
+    page.get_by_role("radio", name=frame).click()
+    page.locator("[data-move=forward]").press("Space", delay=300)
+    wait_until(lambda: stub.of("let_go"), "it moves and stops")
+    assert stub.of("jog")[0]["frame"] == sent
+    assert stub.of("jog")[0].get("camera", 0.0) == pytest.approx(0.0, abs=0.01)  # from behind
+
+
+def test_forward_turns_with_the_picture(page: Any, stub: Stub) -> None:
+    page.locator("body[data-picture=drawn]").wait_for()
+    page.get_by_role("button", name="From the side").click()
+    page.locator("[data-move=forward]").press("Space", delay=300)
+    wait_until(lambda: stub.of("let_go"), "it moves and stops")
+    assert stub.of("jog")[0]["camera"] == pytest.approx(1.571, abs=0.01)  # looks to the left
+
+
+def test_one_can_sit_elsewhere(page: Any, stub: Stub) -> None:
+    page.locator("#settings summary").click()
+    page.get_by_role("radio", name="As I sit").click()
+    page.get_by_role("radio", name="Towards it").click()
+    page.locator("[data-move=forward]").press("Space", delay=300)
+    wait_until(lambda: stub.of("let_go"), "it moves and stops")
+    assert stub.of("jog")[0]["camera"] == pytest.approx(3.1416, abs=0.01)
+
+
+def test_manual_mode_moves_the_chosen_part(page: Any, stub: Stub) -> None:
+    page.get_by_role("radio", name="Manual").click()
+    page.get_by_role("radio", name="Joint 2").click()
+    page.locator("[data-move=down]").press("Space", delay=300)
+    wait_until(lambda: stub.of("let_go"), "it moves and stops")
+    jog = stub.of("jog")[-1]
+    assert (jog["mode"], jog["part"], jog["speeds"]) == ("manual", "joint/2", [-0.5])
+    page.get_by_role("radio", name="Platform").click()
+    page.locator("[data-move=left]").press("Space", delay=300)
+    wait_until(lambda: len(stub.of("let_go")) == 2, "it moves and stops")
+    assert stub.of("jog")[-1]["speeds"] == [0, 0.5]
+
+
+def test_the_gripper_opens_and_closes(page: Any, stub: Stub) -> None:
+    page.locator("[data-move=close]").press("Space", delay=300)
+    wait_until(lambda: stub.of("let_go"), "it moves and stops")
+    assert (stub.of("jog")[-1]["grip"], stub.of("jog")[-1]["speeds"]) == (-1, [0] * 6)
+
+
+def test_the_hand_goes_to_a_place_while_its_button_is_held(page: Any, stub: Stub) -> None:
+    page.get_by_role("button", name="Go to mouth").press("Space", delay=300)
+    wait_until(lambda: stub.of("let_go"), "it moves and stops")
+    jog = stub.of("jog")[-1]
+    assert jog["target"] == stub.hello["places"]["mouth"]
+    assert (jog["mode"], jog["part"], jog["speeds"]) == ("shared", "hand", [0.5])
+
+
+def test_a_task_is_started_by_a_button_of_its_own(page: Any, stub: Stub) -> None:
+    page.get_by_role("button", name="Start fetch").click()
+    wait_until(lambda: stub.of("task"), "it is sent")
+    assert stub.of("task")[0]["task"] == "fetch"
+
+
+def test_where_the_robot_has_a_task_a_place_is_no_goal_in_automatic_mode(
+    page: Any, stub: Stub
+) -> None:
+    page.get_by_role("radio", name="Automatic").click()
+    page.locator("[data-mode=automatic]").wait_for()
+    page.get_by_role("button", name="Go to mouth").click(force=True)
+    page.get_by_role("status").get_by_text("a task of its own").wait_for()
+    assert not stub.of("go")
+
+
+def test_places_and_the_marker_are_goals_in_automatic_mode(browser: Any, stub: Stub) -> None:
+    stub.hello["tasks"], stub.mode = [], "automatic"
+    with tab(browser, stub.address) as page:
+        page.get_by_role("button", name="Go to mouth").click()
+        wait_until(lambda: stub.of("go"), "it is sent")
+        assert stub.of("go")[0]["place"] == "mouth"
+        page.locator("#goal-part summary").click()
+        page.get_by_label("z, up (m)", exact=True).fill("0,75")
+        page.get_by_label("y, left (m): 2 cm more").click()
+        page.get_by_label("x, ahead (m)", exact=True).fill("1")
+        page.get_by_role("button", name="Go there").press("Enter")
+        wait_until(lambda: stub.of("goal"), "it is sent")
+        assert stub.of("goal")[0]["position"] == [1.0, 0.02, 0.75]
+        assert len(stub.of("go")) == 1
+
+
+def test_the_hand_goes_to_the_marker_while_the_button_is_held(page: Any, stub: Stub) -> None:
+    page.locator("#goal-part summary").click()
+    page.get_by_label("x, ahead (m)", exact=True).fill("0.9")
+    page.get_by_role("button", name="Go there").press("Space", delay=300)
+    wait_until(lambda: stub.of("let_go"), "it moves and stops")
+    assert stub.of("jog")[-1]["target"]["position"][0] == 0.9
+
+
+def test_a_place_is_saved_and_forgotten(page: Any, stub: Stub) -> None:
+    page.locator("#goal-part summary").click()
+    page.get_by_label("Name for where the hand is now").fill("my cup")
+    page.get_by_role("button", name="Save place").click()
+    page.get_by_role("button", name="Forget table").click()
+    wait_until(lambda: stub.of("forget"), "both are sent")
+    assert stub.of("save")[0]["place"] == "my cup"
+    assert stub.of("forget")[0]["place"] == "table"
+    stub.send({"type": "places", "places": {}})
+    page.get_by_text("No places saved yet").wait_for()
+
+
+def test_the_engineer_acts_on_processes_faults_and_the_network(browser: Any, stub: Stub) -> None:
+    with tab(browser, f"{stub.address}engineer.html") as page:
+        page.get_by_role("button", name="joint/2").click()
+        page.get_by_text("Act on joint/2").wait_for()
+        page.get_by_role("button", name="Hang").click()
+        page.get_by_label("Fault, such as").fill("joint/1:locked")
+        page.get_by_role("button", name="Inject").click()
+        wait_until(lambda: stub.of("fault"), "both are sent")
+        act, fault = stub.of("act")[0], stub.of("fault")[0]
+        assert (act["what"], act["role"]) == ("hang", "joint/2")
+        assert fault["fault"] == "joint/1:locked"
+        page.get_by_role("img", name="Error of the hand (mm) 2.0").wait_for()
+        page.get_by_text("plant started.").wait_for()
+        stub.send({"type": "happened", "what": {"t": 2, "key": "act.done", "params": {}}})
+        page.locator("#record li").nth(1).wait_for()
+
+
+def test_the_engineers_view_says_that_it_needs_its_own_address(browser: Any, stub: Stub) -> None:
+    stub.hello["role"] = "operator"
+    with tab(browser, f"{stub.address}engineer.html") as page:
+        page.get_by_text("needs the engineer's address").wait_for()
