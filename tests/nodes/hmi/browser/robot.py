@@ -1,0 +1,166 @@
+"""A real robot with its page, for the tests of the browser: its processes, and where it is."""
+
+import math
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from itertools import pairwise
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from nodes.hmi.address import Address, find_address
+from runtime.config.deployment import load
+from runtime.watching.discovery import Target, visit
+from runtime.wire import topics
+from runtime.wire.messages import EndEffectorPose, PlatformPose, unpack
+from tests.nodes.hmi.browser.letting_go import middle, touch
+from tests.runtime.conftest import Robot, wait_for
+
+DEPLOYMENT = """
+description: arph
+period: 60 ms
+duration: 900 s  # in case that nobody stops it
+tolerance: 10 m
+start:
+  joints: [0 deg, 60 deg, -115 deg, 0 deg, 0 deg, 0 deg]
+agents:
+  - {role: joint/3, class: agents.joint:JointAgent, bend: 30 deg}
+  - {role: joint/*, class: agents.joint:JointAgent}
+  - {role: platform, class: agents.platform:PlatformAgent, bearing: 90 deg}
+nodes:
+  - {role: hmi, class: nodes.hmi.page:Page}
+"""
+STILL = 0.001  # [m] that what stands still may be off by
+LOOKS = 1.0  # [s] for which it is looked at
+
+
+class Place(NamedTuple):
+    """Where hand and platform are [m], at plant time t [s], which was heard of at `heard` [s]."""
+
+    t: float
+    hand: tuple[float, ...]
+    platform: tuple[float, float]
+    heard: float
+
+    def off(self, other: "Place") -> float:
+        """Return how far hand or platform, whichever moved more, is from another place [m]."""
+        moved = math.dist(self.platform, other.platform)
+        return max(math.dist(self.hand, other.hand), moved)
+
+
+class RobotWithPage(Robot):
+    """A robot whose page can be opened, and which is watched from beside.
+
+    Attributes:
+        address: Where its page is, and its tokens.
+    """
+
+    address: Address
+
+    def __init__(self, folder: Path, stack: ExitStack) -> None:
+        super().__init__(folder, stack)
+        file = self.folder / "web.yaml"
+        file.write_text(f"robot: {self.name}\n{DEPLOYMENT}")
+        self.start("launch", str(file))
+        self.address = wait_for(lambda: self._address(), "the page's address")
+        self._track: list[Place] = []
+        self._lock = threading.Lock()
+        self._platform = (0.0, 0.0)
+        mesh = load(self.run_folder / "deployment.yaml").mesh
+        bus = stack.enter_context(visit(Target(self.name, mesh, None, (self.run_folder,))))
+        bus.subscribe(topics.PLATFORM, self._on_platform)
+        bus.subscribe(topics.HAND, self._on_hand)
+        wait_for(lambda: self._track, "the first pose of the hand")
+
+    def _address(self) -> Address | None:
+        try:
+            return find_address(self.run_folder)
+        except (OSError, ValueError):
+            return None
+
+    def _on_platform(self, _: str, data: bytes) -> None:
+        pose = unpack(PlatformPose, data)
+        self._platform = pose.x, pose.y
+
+    def _on_hand(self, _: str, data: bytes) -> None:
+        pose = unpack(EndEffectorPose, data)
+        with self._lock:
+            self._track.append(Place(pose.t, pose.position, self._platform, time.monotonic()))
+
+    @property
+    def now(self) -> Place:
+        """Where it is."""
+        return self._track[-1]
+
+    def since(self, t: float) -> list[Place]:
+        """Return where it has been since a plant time [s]."""
+        with self._lock:
+            return [place for place in self._track if place.t >= t]
+
+    def moves(self, page: Any, move: str, by: str = "mouse", far: float = 0.05) -> None:
+        """Hold the button of a move until the robot has moved so far [m], and go on holding it.
+
+        On a busy machine the press may end before, since it was too slow: it is pressed again.
+        """
+        button = page.locator(f"[data-move={move}]")
+        button.evaluate("it => it.scrollIntoView({block: 'center'})")
+        press, let_go = {
+            "mouse": (page.mouse.down, page.mouse.up),
+            "key": (lambda: page.keyboard.down("Space"), lambda: page.keyboard.up("Space")),
+            "touch": (
+                lambda: touch(page, "touchStart", middle(button)),
+                lambda: touch(page, "touchEnd"),
+            ),
+        }[by]
+
+        def moving() -> bool:
+            page.locator(f"[data-move={move}]:not([aria-disabled=true])").wait_for()
+            if by == "mouse":
+                button.hover()
+            elif by == "key":
+                button.focus()
+            start = self.now
+            press()
+            while "held" in (button.get_attribute("class") or ""):
+                if self.now.off(start) > far:
+                    return True
+                time.sleep(0.02)
+            let_go()
+            return False
+
+        wait_for(moving, f"the robot moves while {move} is held")
+
+    def late(self, since: Place) -> float:
+        """Return by how much the latest message since a moment before then was late [s].
+
+        So late may be, on a busy machine, whatever lets go of a button as well.
+        """
+        track = self.since(since.t - LOOKS)
+        return max((b.heard - a.heard) - (b.t - a.t) for a, b in pairwise(track))
+
+    def comes_to_rest(self, since: Place) -> tuple[float, float]:
+        """Wait until it stands still: after how long [s], and after which way [m]."""
+
+        def still() -> Place | None:
+            track = self.since(self.now.t - LOOKS)
+            full = track[0].t > since.t and track[-1].t - track[0].t > 0.9 * LOOKS
+            return track[-1] if full and all(one.off(track[-1]) < STILL for one in track) else None
+
+        rest = wait_for(still, "the robot stands still")
+        moving = [one for one in self.since(since.t) if one.off(rest) >= STILL]
+        after = moving[-1].t - since.t if moving else 0.0
+        return max(after, 0.0), max(one.off(since) for one in [*moving, rest])
+
+    def stays(self, seconds: float = LOOKS) -> None:
+        """Check that it stands still for so long."""
+        here = self.now
+        time.sleep(seconds)
+        assert all(one.off(here) < STILL for one in self.since(here.t))
+
+
+@contextmanager
+def robot_with_page(folder: Path) -> Iterator[RobotWithPage]:
+    """Start a robot with its page, and leave nothing of it."""
+    with ExitStack() as stack:
+        yield RobotWithPage(folder, stack)
