@@ -150,7 +150,7 @@ class RobotLink:
 
     def halt(self, by: str, timeout: float) -> bool:
         """Ask the robot to stop; return whether it has said within `timeout` [s] that it is."""
-        for answer in self._bus.ask(topics.HALT, by.encode(), timeout):
+        for answer in self._bus.answers(topics.HALT, by.encode(), timeout):
             state = unpack_valid(OperatorState, answer.data) if answer.agreed else None
             if state is not None and state.halted:
                 self._answered = state
