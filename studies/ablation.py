@@ -37,8 +37,8 @@ class Term(NamedTuple):
 
 
 def _platform(name: str, constant: str, off: float) -> Term:
-    """Return a term of the platform's law, whose constants two modules read."""
-    modules = [module for module in ("agents.steering", "agents.platform")
+    """Return a term of the platform's law, whose constants up to three modules read."""
+    modules = [module for module in ("agents.steering", "agents.platform", "agents.lifting")
                if hasattr(import_module(module), constant)]  # fmt: skip
     return Term(name, tuple(f"{module}:{constant}" for module in modules), off)
 
