@@ -29,7 +29,7 @@ def commands(block: str) -> list[str]:
     return [line for line in lines if line and not line.startswith(". ")]
 
 
-MAKE, BY_HAND, *LAUNCHES, RUNNING, SECURE, STUDY = blocks("sh")
+MAKE, BY_HAND, *LAUNCHES, RUNNING, SECURE, FETCH, STUDY = blocks("sh")
 
 
 @pytest.fixture
@@ -94,7 +94,7 @@ def test_make_opens_the_page_on_a_terminal_only(options, file):
 
 
 @pytest.mark.parametrize(
-    "command", [line for block in (*LAUNCHES, STUDY) for line in commands(block)]
+    "command", [line for block in (*LAUNCHES, FETCH, STUDY) for line in commands(block)]
 )
 def test_a_command_that_needs_nothing_running_ends_well(command, place):
     # on a busy machine the hand may be off by more than the deployment allows
