@@ -13,6 +13,7 @@ from contextlib import suppress
 from plant.plant import Commands, Readings
 from plant.robot import numbers
 from runtime.errors import RunError
+from runtime.gate.fingers import Fingers
 from runtime.gate.gate import LEASE, Gate, GateError
 from runtime.gate.speed_limit import SpeedLimit
 from runtime.processes.process import Process
@@ -60,6 +61,7 @@ class OperatorInput:
         self._rival = freshness(deployment.period, deployment.speed) + 2 * _PERIOD
         self._speed_limit = SpeedLimit(robot, deployment.period)
         self._before: Commands | None = None  # as agents wanted it, until now
+        self._fingers = robot.gripper and Fingers(robot.gripper, deployment.period)
         self._file = process.run / "gate.json"
         self._keeping = threading.Lock()
         self.gate = self._first()
@@ -164,22 +166,30 @@ class OperatorInput:
             readings: What the sensors measure.
             now: On the plant's clock.
         """
-        gate = self.gate
+        gate, fingers, reading = self.gate, self._fingers, readings.sensors.get("gripper")
         if gate.mode == "automatic":
             self._before = wanted
+            if fingers is not None:
+                fingers.follow(wanted.gripper, reading)
             return wanted, ages
         held = gate.held(now)
         nobody: list[float | None] = [None] * len(ages)
-        speeds = (0.0,) * len(self._limits)
+        speeds, opens = (0.0,) * len(self._limits), 0.0
         if held is not None and gate.mode == "shared":
             if not self._goal.has_rival(held.by, now - self._rival):
+                if fingers is not None and wanted.gripper is None:
+                    wanted = wanted._replace(gripper=fingers.rest(reading))
+                elif fingers is not None:
+                    fingers.follow(wanted.gripper, reading)
                 return self._limited(wanted, readings, now), ages
             gate.why = "another goal source publishes"
         elif held is not None:
             asked = (*(held.joints or (0.0,) * self._n), held.linear, held.angular, held.lateral)
             bounds = zip(asked, self._limits, strict=False)
             speeds = tuple(min(max(speed, -most), most) for speed, most in bounds)
-        asked_for = Commands(speeds[: self._n], speeds[self._n :] or (0.0, 0.0))
+            opens = held.grip * gate.speed_share(now)
+        grip = None if fingers is None else fingers.jog(opens, reading)
+        asked_for = Commands(speeds[: self._n], speeds[self._n :] or (0.0, 0.0), grip)
         return self._limited(asked_for, readings, now), nobody
 
     def _limited(self, wanted: Commands, readings: Readings, now: float) -> Commands:

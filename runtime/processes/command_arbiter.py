@@ -30,8 +30,8 @@ class _Motor(NamedTuple):
 class CommandArbiter:
     """Takes the commands of all agents, and holds each for the hold time (rules 4 and 5).
 
-    That of the gripper is in force until the next one: what it holds must not fall when its agent
-    does.
+    That of the gripper is handed on for as long as that too. Its drive keeps to the last one, so
+    that what it holds does not fall when its agent does.
 
     What it hands on is within the robot's limits, so that no plant needs to check it. All times
     are plant times [s], so that nothing grows old while the plant is stopped.
@@ -117,9 +117,9 @@ class CommandArbiter:
         return Commands(joints, base or (0.0, 0.0), grip), ages
 
     def _grip(self, t: float) -> tuple[float, float] | None:
-        """Return opening [m] and force [N] of the gripper at plant time `t` [s], however old."""
+        """Return the opening [m] and force [N] in force at plant time `t` [s]; None if none are."""
         source = None if self._gripper is None else self._gripper.input.selected(t)
-        if self._gripper is None or source is None:
+        if self._gripper is None or source is None or t - source.arrived > self._hold:
             return None
         self._note(self._gripper.role, source.message.by)
         pairs = zip(_values(source.message), self._gripper.limits, strict=True)

@@ -196,14 +196,15 @@ def test_who_says_nothing_of_sideways_sends_as_before() -> None:
     assert unpack_map(data).keys() == {"t", "by", "n", "linear", "angular"}
 
 
-def test_the_gripper_keeps_its_last_command_for_ever_and_has_no_part_in_the_ages(
+def test_the_gripper_s_command_is_held_as_others_are_and_has_no_part_in_the_ages(
     plant: Plant,
 ) -> None:
     assert plant.arbiter.commands_at(1.0)[0].gripper is None
     plant.gripper_hears(0.02, 5.0, at=1.0)
-    commands, ages = plant.arbiter.commands_at(1000.0)
+    commands, ages = plant.arbiter.commands_at(1.0 + HOLD)
     assert commands.gripper == (0.02, 5.0)
     assert ages == [None] * 7
+    assert plant.arbiter.commands_at(1.01 + HOLD)[0].gripper is None, "the drive keeps to it"
 
 
 def test_the_gripper_is_kept_within_its_opening_and_force(plant: Plant) -> None:
