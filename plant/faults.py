@@ -217,6 +217,9 @@ def fault_texts(robot: Robot) -> list[str]:
     joints = range(1, robot.n + 1)
     targets = {"joint": [f"joint/{n}" for n in joints], "encoder": [f"encoder/{n}" for n in joints]}
     targets |= {"localiser": ["localiser"], "platform": ["platform"] if robot.drive else []}
+    targets |= {"gripper": ["gripper"] if robot.gripper else [], "hand": ["hand"]}
+    sensors = robot.belt.sensors if robot.belt else 0
+    targets |= {"ranges": [f"ranges/{n + 1}" for n in range(sensors)], "payload": ["payload"]}
     return [
         f"{target}:{kind}"
         for part, kinds in _KINDS.items()

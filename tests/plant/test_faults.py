@@ -1,13 +1,15 @@
 """Faults in words."""
 
 import math
+from dataclasses import replace
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from plant.belt import Belt
 from plant.errors import MsmaError
-from plant.faults import Fault, FaultError
+from plant.faults import Fault, FaultError, fault_texts
 from plant.urdf import load
 
 ARPH, PLANAR5 = load("arph"), load("planar5")
@@ -121,3 +123,15 @@ def test_values_of_a_sliding_joint_are_lengths() -> None:
         Fault.parse("joint/1:locked=60 deg", robot)
     with pytest.raises(FaultError, match="cannot get there; valid are 0mm to 900mm"):
         Fault.parse("joint/1:locked=2 m", robot)
+
+
+def test_the_faults_that_a_robot_can_have_are_those_of_its_parts() -> None:
+    belted = replace(ARPH, belt=Belt(sensors=2))
+    for robot in (ARPH, PLANAR5, belted):
+        for text in fault_texts(robot):
+            Fault.parse(text, robot).check(robot)
+    of_arph, of_planar5, of_belted = map(set, map(fault_texts, (ARPH, PLANAR5, belted)))
+    assert {"joint/6:limp", "platform:locked", "gripper:limp", "hand:push_x"} <= of_arph
+    assert not {"platform:locked", "gripper:limp", "joint/6:limp"} & of_planar5
+    lost = {text for text in of_belted - of_arph if text.endswith(":lost")}
+    assert lost == {"ranges/1:lost", "ranges/2:lost"}
