@@ -9,6 +9,7 @@ from typing import Protocol
 from msgspec import Struct
 
 from nodes.hmi.drivers import Change, Drivers
+from nodes.hmi.gripping import WantedGrip, fits_gripper, grip_speed
 from nodes.hmi.jogging import (
     GoalPiece,
     LedGoal,
@@ -60,6 +61,8 @@ class Link(Protocol):
 class Driving:
     """Who presses what, and what that makes of the robot.
 
+    In shared mode the gripper's agent opens and closes it, if there `has_gripper_agent`.
+
     Attributes:
         seen: The robot, as of the last look.
         drivers: Who drives.
@@ -68,7 +71,14 @@ class Driving:
     """
 
     def __init__(
-        self, robot: Robot, limits: Limits, times: Times, link: Link, post: Post, seen: Seen
+        self,
+        robot: Robot,
+        limits: Limits,
+        times: Times,
+        link: Link,
+        post: Post,
+        seen: Seen,
+        has_gripper_agent: bool,
     ) -> None:
         self.seen = seen
         self.drivers = Drivers(times.idle)
@@ -78,7 +88,9 @@ class Driving:
         self._link, self._post = link, post
         self._presses = Presses(self.drivers, times)
         self._grip = grip_axes(robot)
+        self._has_gripper_agent = has_gripper_agent
         self._led: LedGoal | None = None
+        self._wanted_grip: WantedGrip | None = None
         self._start: Place = seen.place
         self._settles_until = 0.0
 
@@ -122,6 +134,7 @@ class Driving:
         """Take a jog that arrived `now` [s]."""
         before = self._presses.alive
         speeds = part_speeds(jog, self._robot) if jog.mode == "manual" else PartSpeeds()
+        can_grip = fits_gripper(jog, self._robot, self._has_gripper_agent)
         picture = self.pictures.of(jog.state)
         operator = self.seen.operator
         ends = self._presses.jog(
@@ -131,7 +144,7 @@ class Driving:
                 None if operator is None or self._is_lost(jog) else operator.mode,
                 operator is not None and operator.halted,
                 None if picture is None else now - picture.sent,
-                fits=speeds is not None and fits_hand(jog),
+                fits=speeds is not None and fits_hand(jog) and can_grip,
             ),
             now,
         )
@@ -141,6 +154,10 @@ class Driving:
             return
         if press is not before:
             self._begin(press, now)
+        gripper = self._robot.gripper
+        if jog.grip and self._wanted_grip is None and gripper is not None:
+            lease = self._times.lease
+            self._wanted_grip = WantedGrip(gripper, self.seen.gripper, now, lease)
         if jog.mode == "manual":
             self._move_part(press, speeds, picture.t, now)
         else:
@@ -152,7 +169,7 @@ class Driving:
 
     def _begin(self, press: Press, now: float) -> None:
         self._start = self.seen.place
-        self._led = None
+        self._led = self._wanted_grip = None
         if press.jog.mode == "shared" and self.seen.hand is not None:
             self._led = LedGoal(self.seen.hand, now, self._times.lease, press.jog.step)
 
@@ -171,10 +188,15 @@ class Driving:
             share = max(map(abs, jog.speeds))
             motion = motion_to(to, led.pose, limit * share, turn * share)
         piece = led.advance(motion, hand, now)
+        grip = self._wanted_grip
+        if grip is not None:
+            piece = piece._replace(grip=grip.advance(jog, self.seen.gripper, now))
         self._link.lead(piece, self.seen.t)
         self._link.jog(press, painted, PartSpeeds(), piece.motion)
         if to is not None:
             over = is_at(hand, to)
+        elif jog.step is not None and grip is not None and not any(jog.speeds):
+            over = self._grip_is_done(press, grip, now)
         elif jog.step is not None:
             takes = jog.step / (limit if any(jog.speeds[:3]) else turn)
             over = led.arrived(hand) or now - press.began > self._times.step + takes
@@ -190,12 +212,26 @@ class Driving:
         return limit, self._limits.turn * limit / self._limits.speed
 
     def _move_part(self, press: Press, speeds: PartSpeeds, painted: float, now: float) -> None:
+        speeds = speeds._replace(grip=grip_speed(press.jog, self._robot.gripper))
         self._link.jog(press, painted, speeds)
+        grip = self._wanted_grip
+        if grip is not None and not any(press.jog.speeds):
+            if self._grip_is_done(press, grip, now):
+                self._end(press, self._presses.end("step"), now)
+            return
         way = way_between(self._start, self.seen.place, press.jog.part)
         if press.jog.step is not None:
             longest = self._times.step + press.jog.step / 0.01
             if step_done(press.jog, way, speeds) or now - press.began > longest:
                 self._end(press, self._presses.end("step"), now)
+
+    def _grip_is_done(self, press: Press, grip: WantedGrip, now: float) -> bool:
+        """Tell whether a bounded step of the gripper is over, or takes too long."""
+        jog, speed = press.jog, abs(grip_speed(press.jog, self._robot.gripper))
+        if jog.step is None or not speed:
+            return False
+        takes = self._times.step + jog.step / speed
+        return grip.is_done(jog, self.seen.gripper) or now - press.began > takes
 
     def let_go(self, viewer: int, number: int, now: float) -> None:
         """Take the release of a press."""

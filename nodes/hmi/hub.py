@@ -52,6 +52,7 @@ from nodes.hmi.seen import pose_of as pose_of_hand
 from nodes.hmi.viewers import Viewer
 from runtime.config.deployment import Deployment
 from runtime.processes.node import Context
+from runtime.wire.topics import GRIPPER_AGENT
 
 TIMES = Times()
 _TABLE = 1.0  # [s] from one table of the processes to the next
@@ -89,7 +90,8 @@ class Hub:
         self._link = RobotLink(context, deployment.speed, TIMES.lease)
         limits = limits_of(context.robot)
         seen = self._link.look(time.monotonic())
-        self._driving = Driving(context.robot, limits, TIMES, self._link, self._post, seen)
+        grips = GRIPPER_AGENT in deployment.roles
+        self._driving = Driving(context.robot, limits, TIMES, self._link, self._post, seen, grips)
         self._places = SavedPlaces(places_file(deployment.robot))
         self._record = Record(context.log, self._post)
         if self._places.error:
@@ -266,7 +268,7 @@ class Hub:
             viewer.number,
             self._language,
             "fixed" if robot.drive is None else robot.drive.kind,
-            False,
+            robot.gripper is not None,
             joints_of(robot),
             frames_of(robot),
             pose_of(robot.tip),

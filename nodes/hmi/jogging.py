@@ -24,9 +24,10 @@ REACHED, REACHED_TURN = 0.003, 0.02
 """So close to where a bounded step leads it has arrived [m, rad]."""
 STEP_TIME = 0.5
 """In no less a bounded step of a part goes its way [s], so that it can be ended in time."""
+UNSEEN = 0.1
+"""[s] that a part moves on until it is seen and rests, at the paper's control period."""
 _KEEPS_UP = 0.7  # of the leash behind: so much lags a sound hand at its speed limit
 _ARRIVES = 0.3  # [s] in no less the goal comes to its target: longer than it goes on by itself
-_UNSEEN = 0.1  # [s] that a part moves on until it is seen and rests, at the paper's control period
 
 
 class Hand(NamedTuple):
@@ -49,11 +50,15 @@ class Motion(NamedTuple):
 
 
 class GoalPiece(NamedTuple):
-    """Where the goal is now, how it moves, and for how long it does so [s, real time]."""
+    """Where the goal is now, how it moves, and for how long it does so [s, real time].
+
+    `grip` is the gripper's opening [m] that is wanted; None leaves it as it is.
+    """
 
     pose: Hand
     motion: Motion
     lasts: float
+    grip: float | None = None
 
 
 def level_axes(heading: float) -> Array:
@@ -254,10 +259,12 @@ class PartSpeeds(NamedTuple):
     Attributes:
         joints: Each joint [rad/s or m/s], or empty.
         platform: Forward [m/s], turning left [rad/s], sideways to the left [m/s].
+        grip: Of the gripper's opening [m/s].
     """
 
     joints: tuple[float, ...] = ()
     platform: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    grip: float = 0.0
 
     @property
     def moves(self) -> bool:
@@ -326,5 +333,5 @@ def step_done(jog: Jog, way: tuple[float, float], speeds: PartSpeeds) -> bool:
     straight = max(math.hypot(forward, sideways), *map(abs, speeds.joints or (0.0,)))
     along, turned = way
     if straight:
-        return along + straight * _UNSEEN >= jog.step
-    return turned + abs(turning) * _UNSEEN >= jog.step
+        return along + straight * UNSEEN >= jog.step
+    return turned + abs(turning) * UNSEEN >= jog.step

@@ -90,12 +90,14 @@ class Jog(FromBrowser, frozen=True, tag="jog"):
             left. Of a joint: one. Shares of their limits.
         frame: Whose forward, left and up; of the hand only.
         camera: Of frame `mine`: heading [rad] of the direction of view, from the world's x to y.
-        grip: Opening (1) or closing (-1) the gripper, or 0.
+        grip: Opening (1) or closing (-1) the gripper, or 0, beside whatever part; shares of half
+            its largest speed. In shared mode its agent does it, where the hand is at the goal.
         target: In shared mode: where the hand goes while this is held, at the speed limit times
             the largest of `speeds` (send one, such as [1]); a saved place, or the marker that was
             dragged. The press ends there by itself, as a step does.
         step: The press is to end by itself after so much: [m] of the hand, the platform and joints
-            that slide, [rad] of what only turns; None for as long as it is held. The jogs go on
+            that slide, and of the gripper's opening if nothing else moves; [rad] of what only
+            turns; None for as long as it is held. The jogs go on
             until `ended` comes.
     """
 
@@ -338,7 +340,8 @@ class Hello(Struct, frozen=True, tag="hello"):
         viewer: The number of this browser, as in `State.driver`.
         language: Of the words, until the person chooses another.
         base: Whether the base moves, and sideways.
-        gripper: Whether there is a gripper to open and close.
+        gripper: Whether there is a gripper to open and close; in shared mode that is refused
+            (`refused.part`) if it has no agent.
         tasks: What `task` can start.
         faults: Texts of faults that the robot's plant has, for the engineer to choose from.
         processes: The roles of all processes.

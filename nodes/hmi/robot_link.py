@@ -23,6 +23,7 @@ from runtime.wire.messages import (
     Diag,
     EndEffectorPose,
     GoalMessage,
+    GripperState,
     PlatformPose,
     unpack_valid,
 )
@@ -61,8 +62,9 @@ class RobotLink:
         self._hand = TopicInput(topics.HAND, EndEffectorPose, FRESH, refusals)
         self._base = TopicInput(topics.PLATFORM, PlatformPose, FRESH, refusals)
         self._operator = TopicInput(topics.OPERATOR_STATE, OperatorState, FRESH, refusals)
+        self._gripper = TopicInput(topics.GRIPPER, GripperState, FRESH, refusals)
         self._goal = GoalInput(_GOAL_FRESH, refusals)
-        inputs: list[TopicInput[Any]] = [self._hand, self._base, self._operator]
+        inputs: list[TopicInput[Any]] = [self._hand, self._base, self._operator, self._gripper]
         inputs += self._goal.inputs.values()
         self._inputs = [(bus.ring(each.key, _AT_ONCE), each) for each in inputs]
         self._jog_out = bus.publisher(topics.JOG)
@@ -112,7 +114,8 @@ class RobotLink:
         operator, answered = self._operator.fresh(now), self._answered
         if operator is not None and answered is not None and answered.t > operator.t:
             operator = answered  # what is published may be on its way still
-        return Seen(t, age, place, known, hand, goal, error, operator)
+        gripper = self._gripper.fresh(now)
+        return Seen(t, age, place, known, hand, goal, error, operator, gripper)
 
     def jog(self, press: Press, t: float, speeds: PartSpeeds, motion: Motion = _REST) -> None:
         """Publish that a press is held, in answer to a state of plant time `t` [s]."""
@@ -128,6 +131,7 @@ class RobotLink:
                 linear=forward,
                 angular=turning,
                 lateral=sideways,
+                grip=speeds.grip,
             )
         )
 
@@ -141,7 +145,8 @@ class RobotLink:
         linear, angular = (tuple((one / speed).tolist()) for one in piece.motion)
         position, orientation = (tuple(one.tolist()) for one in piece.pose)
         until = t + min(piece.lasts, self._lease) * speed
-        self._goal_out.send(GoalMessage(t, position, linear, t, until, orientation, angular))
+        goal = GoalMessage(t, position, linear, t, until, orientation, angular, grip=piece.grip)
+        self._goal_out.send(goal)
 
     def stand(self, pose: Pose, t: float) -> None:
         """Publish a goal that stands, as of plant time `t` [s]."""

@@ -6,6 +6,7 @@ import numpy as np
 
 from nodes.hmi.jogging import Hand, Place
 from nodes.hmi.protocol import Pose
+from runtime.wire.messages import GripperState
 from runtime.wire.operator_messages import OperatorState
 
 
@@ -21,6 +22,7 @@ class Seen(NamedTuple):
         goal: The goal in force, perhaps without an orientation; None without one.
         error: From the hand to the goal [m].
         operator: What the plant says of its gate; None if nothing, or not lately.
+        gripper: What the gripper measures of itself; None if nothing, or not lately.
     """
 
     t: float
@@ -31,6 +33,7 @@ class Seen(NamedTuple):
     goal: Pose | None
     error: float | None
     operator: OperatorState | None
+    gripper: GripperState | None = None
 
 
 def pose_of(hand: Hand) -> Pose:

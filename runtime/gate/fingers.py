@@ -56,6 +56,8 @@ class Fingers:
         start = self._command[0]
         if speed * self._direction <= 0.0 and reading is not None:
             start = reading.opening
+            if speed < 0.0 and reading.holds:  # it is not let go before it is pressed harder
+                start = min(start, self._command[0])
         most = self._gripper.max_speed
         change = min(max(speed, -most), most) * self._period
         wanted = min(max(start + change, 0.0), self._gripper.most)

@@ -50,11 +50,12 @@ class Recorder:
 class Case:
     """Driving, what it publishes, and what it says to whom."""
 
-    def __init__(self, seen: Seen = SEEN) -> None:
+    def __init__(self, seen: Seen = SEEN, has_gripper_agent: bool = True) -> None:
         self.link = Recorder()
         self.said: list[tuple[int | None, Struct]] = []
         limits, times = limits_of(ARPH), Times()
-        self.driving = Driving(ARPH, limits, times, self.link, self._post, seen)
+        args = ARPH, limits, times, self.link, self._post, seen
+        self.driving = Driving(*args, has_gripper_agent)
         self.driving.pictures.sent(1, 0.0, 0.9)
 
     def _post(self, to: int | None, message: Struct) -> None:

@@ -66,6 +66,10 @@ TABLE_OF_TURNS: dict[str, tuple[list[Turn], Grip | None]] = {
         [jog(-0.02, 0.06), jog(-0.02, 0.06), jog(-0.02, 0.06, True)],
         (0.06 - 3 * STEP, 20.0),
     ),
+    "what is held is not let go": (
+        [follow(CLOSE, 0.06, True), rest(0.06, True), jog(-0.02, 0.06, True)],
+        (0.0, 20.0),
+    ),
     "it turns round at once": (
         [jog(-0.02, 0.06), jog(-0.02, 0.06), jog(0.02, 0.06)],
         (0.06 + STEP, 20.0),
