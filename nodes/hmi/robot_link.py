@@ -168,11 +168,11 @@ class RobotLink:
         `RequestError` if it does not agree, or is not there.
         """
         try:
-            answers = self._bus.ask(key, text.encode(), timeout)
+            answer = next(self._bus.answers(key, text.encode(), timeout), None)
         except BusError as error:
             raise RequestError(str(error)) from None
-        if not answers:
+        if answer is None:
             raise RequestError("the robot does not answer")
-        if not answers[0].agreed:
-            raise RequestError(answers[0].data.decode(errors="replace")[:200])
-        self._answered = unpack_valid(OperatorState, answers[0].data)
+        if not answer.agreed:
+            raise RequestError(answer.data.decode(errors="replace")[:200])
+        self._answered = unpack_valid(OperatorState, answer.data)
