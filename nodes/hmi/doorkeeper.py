@@ -26,9 +26,13 @@ _UNKNOWN = (
 )
 _ENTRY = (
     '<!doctype html><meta charset="utf-8"><meta http-equiv="refresh" content="0;url=/">'
+    '<link rel="icon" href="/icon.svg" type="image/svg+xml">'
     '<title>MSMA</title><p><a href="/">Go on</a></p>\n'
 )
-"""Leads on without the token in the address; a page of ours, so the browser sends the cookie."""
+"""Leads on without the token in the address; a page of ours, so the browser sends the cookie.
+
+It names the icon, since browsers ask for another one of each page that names none.
+"""
 
 
 class Reply(NamedTuple):
