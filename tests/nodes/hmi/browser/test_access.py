@@ -20,6 +20,7 @@ SMALL = """least => [...document.querySelectorAll('TARGETS')]
   .filter(([_, {width, height}]) => width < least || height < least)
   .map(([name, {width, height}]) => `${name}: ${width} x ${height}`)
 """.replace("TARGETS", TARGETS)
+PAINTED = "() => new Promise(then => requestAnimationFrame(() => requestAnimationFrame(then)))"
 LOSE = "document.querySelector('#scene').getContext('webgl2').getExtension('WEBGL_lose_context')"
 
 
@@ -87,14 +88,17 @@ def test_everything_is_reached_by_tab_and_its_focus_is_never_hidden(
 ) -> None:
     open_all(page)
     page.set_viewport_size({"width": width, "height": height})
+    page.evaluate(PAINTED)  # the page has measured its bar
     wanted = page.evaluate(
         f"""[...document.querySelectorAll('{TARGETS}')].filter(
           it => it.offsetParent !== null && it.tabIndex >= 0).length"""
     )
     page.evaluate("document.activeElement.blur(); window.scrollTo(0, 0)")
     reached = set()
-    for _ in range(wanted):
+    for _ in range(wanted + 1):  # one leaves the page: it began at the button for help
         page.keyboard.press("Tab")
+        if page.evaluate("document.activeElement === document.body"):
+            continue
         at, hidden = page.evaluate("""() => {
           const it = document.activeElement, box = it.getBoundingClientRect();
           const seen = [[0.5, 0.2], [0.5, 0.8]].map(([x, y]) =>
@@ -142,7 +146,7 @@ def test_single_keys_move_nothing_until_they_are_switched_on(page: Any, stub: St
 
 def marked(page: Any) -> str:
     text: str = page.evaluate(
-        "(it => it ? it.id || it.dataset.move || it.dataset.scan : '')"
+        "(it => it ? it.dataset.move || it.dataset.scan || it.id : '')"
         "(document.querySelector('.marked'))"
     )
     return text
