@@ -187,7 +187,7 @@ const scanner = new Scanner({
 });
 
 function usable(button) {
-  return button.offsetParent !== null && button.getAttribute("aria-disabled") !== "true";
+  return button.checkVisibility() && button.getAttribute("aria-disabled") !== "true";
 }
 
 shortcuts({

@@ -34,6 +34,7 @@ def test_a_direction_is_in_the_frame_that_was_chosen(
 
 def test_forward_turns_with_the_picture(page: Any, stub: Stub) -> None:
     page.locator("body[data-picture=drawn]").wait_for()
+    page.locator("#view summary").click()
     page.get_by_role("button", name="From the side").click()
     page.locator("[data-move=forward]").press("Space", delay=300)
     wait_until(lambda: stub.of("let_go"), "it moves and stops")
@@ -125,7 +126,8 @@ def test_a_place_is_saved_and_forgotten(page: Any, stub: Stub) -> None:
     assert stub.of("save")[0]["place"] == "my cup"
     assert stub.of("forget")[0]["place"] == "table"
     stub.send({"type": "places", "places": {}})
-    page.get_by_text("No places saved yet").wait_for()
+    page.get_by_role("button", name="Forget table").wait_for(state="hidden")
+    assert page.get_by_role("button", name="Go to").count() == 0
 
 
 def test_the_engineer_acts_on_processes_faults_and_the_network(browser: Any, stub: Stub) -> None:
