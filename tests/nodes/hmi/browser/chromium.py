@@ -11,6 +11,7 @@ CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 ARGUMENTS = (
     "--use-angle=swiftshader",  # WebGL without a graphics card
     "--enable-unsafe-swiftshader",
+    "--disable-gpu-compositing",  # else all of a page is drawn as slowly as WebGL
     "--no-sandbox",  # as root
     "--disable-background-networking",
     "--no-first-run",
@@ -50,8 +51,24 @@ def chromium(running: Any) -> Iterator[Any]:
 @contextmanager
 def tab(browser: Any, address: str, **more: Any) -> Iterator[Any]:
     """Open an address in a tab of a new profile, and fail on what its console says of errors."""
-    context = browser.new_context(**{"viewport": {"width": 1280, "height": 900}, **more})
+    with profile(browser, **more) as context, tab_of(context, address) as page:
+        yield page
+
+
+@contextmanager
+def profile(browser: Any, **more: Any) -> Iterator[Any]:
+    """Have a new profile (`playwright.sync_api.BrowserContext`)."""
+    context = browser.new_context(**{"viewport": {"width": 960, "height": 640}, **more})
     context.set_default_timeout(PATIENT)
+    try:
+        yield context
+    finally:
+        context.close()
+
+
+@contextmanager
+def tab_of(context: Any, address: str) -> Iterator[Any]:
+    """Open an address in a tab of a profile, and fail on what its console says of errors."""
     page = context.new_page()
     wrong: list[str] = []
     page.on("pageerror", lambda error: wrong.append(str(error)))
@@ -60,7 +77,7 @@ def tab(browser: Any, address: str, **more: Any) -> Iterator[Any]:
     try:
         yield page
     finally:
-        context.close()
+        page.close()
     assert not wrong, wrong
 
 

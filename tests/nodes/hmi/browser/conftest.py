@@ -5,8 +5,14 @@ from typing import Any
 
 import pytest
 
-from tests.nodes.hmi.browser.chromium import chromium, playwright, tab
+from tests.nodes.hmi.browser.chromium import chromium, playwright, profile, tab_of
 from tests.nodes.hmi.browser.stub import Stub
+
+ANEW = """
+if (!sessionStorage.begun) {
+  localStorage.clear();
+  localStorage.settings = sessionStorage.begun = JSON.stringify({helped: true});
+}"""
 
 
 @pytest.fixture(scope="session")
@@ -23,20 +29,37 @@ def browser(running: Any) -> Iterator[Any]:
         yield found
 
 
-@pytest.fixture
-def stub() -> Iterator[Stub]:
-    """Run a stand-in for the server."""
-    server = Stub()
-    yield server
-    server.close()
+@pytest.fixture(scope="session")
+def server() -> Iterator[Stub]:
+    """Run one stand-in for the server for all tests of this worker."""
+    started = Stub()
+    yield started
+    started.close()
 
 
 @pytest.fixture
-def page(browser: Any, stub: Stub) -> Iterator[Any]:
+def stub(server: Stub) -> Stub:
+    """Return the stand-in, as if it had just begun."""
+    server.begin_anew()
+    return server
+
+
+@pytest.fixture(scope="session")
+def helped(browser: Any) -> Iterator[Any]:
+    """Have a profile each of whose tabs begins without what was chosen before, and without help.
+
+    In one profile the browser has a process for it already, and knows the page's scripts.
+    """
+    with profile(browser) as context:
+        context.add_init_script(ANEW)
+        yield context
+
+
+@pytest.fixture
+def page(helped: Any, stub: Stub) -> Iterator[Any]:
     """Open the operator's view of the stand-in in mode Shared, without the first help."""
     stub.mode = "shared"
-    with tab(browser, stub.address) as opened:
-        opened.get_by_role("button", name="Close help").click()
+    with tab_of(helped, stub.address) as opened:
         opened.get_by_role("radio", name="Shared", checked=True).wait_for()
         opened.locator("[data-move=up]:not([aria-disabled=true])").wait_for()
         yield opened

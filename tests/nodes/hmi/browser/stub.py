@@ -85,6 +85,19 @@ class Stub:
     """
 
     def __init__(self) -> None:
+        self._talks = 0
+        self._number = 0
+        self.begin_anew()
+        self._start = time.monotonic()
+        self._ready = threading.Event()
+        self._loop = asyncio.new_event_loop()
+        self._thread = threading.Thread(target=self._loop.run_until_complete, args=(self._run(),))
+        self._thread.start()
+        self._ready.wait()
+
+    def begin_anew(self) -> None:
+        """Be as at first, once nobody is connected any more."""
+        wait_until(lambda: self._talks == 0, "the tabs of the test before are closed")
         self.heard: list[Json] = []
         self.hello = hello()
         self.mode = "rest"
@@ -94,13 +107,6 @@ class Stub:
         self._hand = [0.7, 0.0, 0.6]
         self._jog: tuple[Json, float] | None = None
         self._pressed = 0
-        self._number = 0
-        self._start = time.monotonic()
-        self._ready = threading.Event()
-        self._loop = asyncio.new_event_loop()
-        self._thread = threading.Thread(target=self._loop.run_until_complete, args=(self._run(),))
-        self._thread.start()
-        self._ready.wait()
 
     @property
     def address(self) -> str:
@@ -162,13 +168,15 @@ class Stub:
         return Response(200, "OK", headers, body)
 
     async def _talk(self, connection: ServerConnection) -> None:
-        await connection.send(json.dumps(self.hello))
+        self._talks += 1
         with contextlib.suppress(ConnectionClosed):
+            await connection.send(json.dumps(self.hello))
             async for text in connection:
                 message = json.loads(text)
                 self.heard.append({**message, "at": time.monotonic()})
                 for answer in self._answers(message):
                     await connection.send(json.dumps(answer))
+        self._talks -= 1
 
     def _answers(self, message: Json) -> Iterator[Json]:
         kind = message["type"]
