@@ -7,6 +7,10 @@ HIDE = """() => {
   Object.defineProperty(document, 'visibilityState', {value: 'hidden', configurable: true});
   document.dispatchEvent(new Event('visibilitychange'));
 }"""
+SHOW = """() => {
+  delete document.visibilityState;
+  document.dispatchEvent(new Event('visibilitychange'));
+}"""
 CLOCK = """() => {
   window.said = [];
   addEventListener('pointerdown', () => window.since = performance.now(), true);

@@ -14,6 +14,7 @@ from runtime.config.deployment import load
 from runtime.watching.discovery import Target, visit
 from runtime.wire import topics
 from runtime.wire.messages import EndEffectorPose, PlatformPose, unpack
+from runtime.wire.operator_messages import OperatorState
 from tests.nodes.hmi.browser.letting_go import middle, touch
 from tests.runtime.conftest import Robot, wait_for
 
@@ -65,12 +66,14 @@ class RobotWithPage(Robot):
         self.start("launch", str(file))
         self.address = wait_for(lambda: self._address(), "the page's address")
         self._track: list[Place] = []
+        self._held: list[tuple[float, bool]] = []  # at a plant time, whether a press was held
         self._lock = threading.Lock()
         self._platform = (0.0, 0.0)
         mesh = load(self.run_folder / "deployment.yaml").mesh
         bus = stack.enter_context(visit(Target(self.name, mesh, None, (self.run_folder,))))
         bus.subscribe(topics.PLATFORM, self._on_platform)
         bus.subscribe(topics.HAND, self._on_hand)
+        bus.subscribe(topics.OPERATOR_STATE, self._on_operator)
         wait_for(lambda: self._track, "the first pose of the hand")
 
     def _address(self) -> Address | None:
@@ -87,6 +90,11 @@ class RobotWithPage(Robot):
         pose = unpack(EndEffectorPose, data)
         with self._lock:
             self._track.append(Place(pose.t, pose.position, self._platform, time.monotonic()))
+
+    def _on_operator(self, _: str, data: bytes) -> None:
+        state = unpack(OperatorState, data)
+        with self._lock:
+            self._held.append((state.t, state.driver is not None))
 
     @property
     def now(self) -> Place:
@@ -139,15 +147,29 @@ class RobotWithPage(Robot):
         track = self.since(since.t - LOOKS)
         return max((b.heard - a.heard) - (b.t - a.t) for a, b in pairwise(track))
 
-    def comes_to_rest(self, since: Place) -> tuple[float, float]:
-        """Wait until it stands still: after how long [s], and after which way [m]."""
+    def press_over(self, since: Place) -> Place:
+        """Return where it was when the plant's gate first held no press, since then or before."""
+
+        def over() -> list[float]:
+            with self._lock:
+                held = [t for t, is_held in self._held if is_held and t <= since.t]
+                return [t for t, is_held in self._held if not is_held and t > max(held)]
+
+        at = wait_for(over, "the plant says that the press is over")[0]
+        return wait_for(lambda: self.since(at), "the hand then")[0]
+
+    def comes_to_rest(self, since: Place) -> Place:
+        """Wait until it stands still, and has for a while; return where."""
 
         def still() -> Place | None:
             track = self.since(self.now.t - LOOKS)
             full = track[0].t > since.t and track[-1].t - track[0].t > 0.9 * LOOKS
             return track[-1] if full and all(one.off(track[-1]) < STILL for one in track) else None
 
-        rest = wait_for(still, "the robot stands still")
+        return wait_for(still, "the robot stands still")
+
+    def went(self, since: Place, rest: Place) -> tuple[float, float]:
+        """Return for how long [s] of plant time and how far [m] it moved until it was at rest."""
         moving = [one for one in self.since(since.t) if one.off(rest) >= STILL]
         after = moving[-1].t - since.t if moving else 0.0
         return max(after, 0.0), max(one.off(since) for one in [*moving, rest])
