@@ -40,6 +40,7 @@ def test_the_token_in_the_address_becomes_a_cookie_that_only_our_pages_send(
     assert first.status == 200
     assert cookie == "msma-8420=operators-token; HttpOnly; SameSite=Strict; Path=/"
     assert b"operators-token" not in first.body
+    assert b'<link rel="icon" href="/icon.svg"' in first.body  # else a browser asks for another
     page = answer(keeper, "/", HOST | COOKIE)
     assert (page.status, page.body) == (200, b"<!doctype html>the page")
 

@@ -45,12 +45,12 @@ def stub(server: Stub) -> Stub:
 
 
 @pytest.fixture(scope="session")
-def helped(browser: Any) -> Iterator[Any]:
+def helped(browser: Any, server: Stub) -> Iterator[Any]:
     """Have a profile each of whose tabs begins without what was chosen before, and without help.
 
-    In one profile the browser has a process for it already, and knows the page's scripts.
+    The browser knows the page's scripts there, and another tab keeps its window open.
     """
-    with profile(browser) as context:
+    with profile(browser) as context, tab_of(context, f"{server.address}icon.svg"):
         context.add_init_script(ANEW)
         yield context
 
