@@ -147,16 +147,15 @@ class RobotWithPage(Robot):
         track = self.since(since.t - LOOKS)
         return max((b.heard - a.heard) - (b.t - a.t) for a, b in pairwise(track))
 
-    def press_over(self, since: Place) -> Place:
-        """Return where it was when the plant's gate first held no press, since then or before."""
+    def wait_press_over(self, since: Place) -> None:
+        """Wait until the plant's gate holds no press, by a message of after then."""
 
-        def over() -> list[float]:
+        def over() -> bool:
             with self._lock:
-                held = [t for t, is_held in self._held if is_held and t <= since.t]
-                return [t for t, is_held in self._held if not is_held and t > max(held)]
+                t, is_held = self._held[-1]
+                return t > since.t and not is_held
 
-        at = wait_for(over, "the plant says that the press is over")[0]
-        return wait_for(lambda: self.since(at), "the hand then")[0]
+        wait_for(over, "the plant says that the press is over")
 
     def comes_to_rest(self, since: Place) -> Place:
         """Wait until it stands still, and has for a while; return where."""
