@@ -45,12 +45,13 @@ def stub(server: Stub) -> Stub:
 
 
 @pytest.fixture(scope="session")
-def helped(browser: Any, server: Stub) -> Iterator[Any]:
+def helped(browser: Any) -> Iterator[Any]:
     """Have a profile each of whose tabs begins without what was chosen before, and without help.
 
-    The browser knows the page's scripts there, and another tab keeps its window open.
+    The browser knows the page's scripts there, and an empty tab keeps its window open.
     """
-    with profile(browser) as context, tab_of(context, f"{server.address}icon.svg"):
+    with profile(browser) as context:
+        context.new_page()
         context.add_init_script(ANEW)
         yield context
 
