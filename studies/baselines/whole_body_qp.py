@@ -72,8 +72,8 @@ class WholeBody(CentralController):
         assert drive is not None
         path = files("plant") / "robots" / "arph.urdf"
         whole = pin.buildModelFromUrdf(str(path), pin.JointModelPlanar())
-        held = ["left_wheel_joint", "right_wheel_joint", "forearm_roll", "wrist", "hand_roll"]
-        ids = [whole.getJointId(name) for name in held]
+        moves = {"universe", "root_joint", *(joint.name for joint in robot.joints[:3])}
+        ids = [whole.getJointId(name) for name in whole.names if name not in moves]
         self._model = pin.buildReducedModel(whole, ids, pin.neutral(whole))
         most = np.concatenate(
             [[drive.max_linear, drive.max_linear, drive.max_angular], robot.max_speed[:3]]
