@@ -177,6 +177,7 @@ def test_a_click_moves_until_the_next_click_anywhere_and_never_longer_than_its_t
     up = page.get_by_role("button", name="Up", exact=True)
     up.click()
     wait_until(lambda: stub.of("jog"), "it moves")
+    wait_until(lambda: stub.of("let_go"), "its time is over")
     is_over(stub)
     began, ended = stub.of("jog")[0]["at"], stub.of("let_go")[-1]["at"]
     assert ended - began > 0.9
