@@ -10,9 +10,8 @@ from nodes.hmi.protocol import JointInfo, Limits, MovingFrame, Pose, Solid
 from plant.faults import fault_texts
 from plant.kinematics import quaternion
 from plant.robot import Array, Robot, Shape
+from runtime.gate.gate import FASTEST
 
-SPEED = 0.25
-"""Largest speed of the hand that can be chosen [m/s] (ISO 10218-1, reduced speed)."""
 TURN = 1.0
 """How fast the hand turns then [rad/s]: as its end moves if that is 0.25 m off the turn's axis."""
 _MESHES = (".stl",)  # what the page can draw
@@ -21,7 +20,7 @@ _MESHES = (".stl",)  # what the page can draw
 def limits_of(robot: Robot) -> Limits:
     """Return the largest speeds of a robot."""
     platform = () if robot.drive is None else robot.drive.max_velocity
-    return Limits(SPEED, TURN, tuple(robot.max_speed.tolist()), platform)
+    return Limits(FASTEST, TURN, tuple(robot.max_speed.tolist()), platform)
 
 
 def joints_of(robot: Robot) -> tuple[JointInfo, ...]:

@@ -186,7 +186,7 @@ class Hub:
         viewer.post(self._encoder.encode(You(driving, press, age and round(age, 3))))
 
     def _show_processes(self, seen: Seen, now: float) -> None:
-        rows = self._processes.look(self._link.rows(), now)
+        rows = self._processes.look(self._link.processes.rows(), now)
         for role, key in self._processes.changes(rows).items():
             self._record.note(seen.t, key, role=role)
         engineers = [one for one in self._viewers.values() if one.role == "engineer"]

@@ -39,6 +39,8 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
+from runtime.gate.gate import LEASE, STALE
+
 VERSION = 1
 LARGEST = 4096
 """Size of the largest message that a browser may send [bytes]."""
@@ -237,8 +239,8 @@ class Times(Struct, frozen=True):
     """
 
     jog: float = 0.05
-    lease: float = 0.25
-    picture: float = 0.5
+    lease: float = LEASE
+    picture: float = STALE
     idle: float = 5.0
     confirm: float = 0.5
     step: float = 3.0

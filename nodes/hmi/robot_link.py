@@ -1,7 +1,6 @@
 """The page's link to the robot: what it sees on the bus, and what it publishes there."""
 
 import math
-import threading
 import time
 from typing import Any
 
@@ -14,13 +13,11 @@ from nodes.hmi.seen import Seen, hand_of
 from plant.errors import MsmaError
 from runtime.processes.node import Context
 from runtime.processes.plant_clock import BusClock
-from runtime.watching.roster import Roster, Row
-from runtime.watching.watcher import goal_at
+from runtime.watching.watcher import ProcessWatcher, goal_at
 from runtime.wire import topics
 from runtime.wire.arbitration import GoalInput, TopicInput
 from runtime.wire.bus import BusError
 from runtime.wire.messages import (
-    Diag,
     EndEffectorPose,
     GoalMessage,
     GripperState,
@@ -46,6 +43,7 @@ class RobotLink:
 
     Attributes:
         incarnation: The random number of this process, by which the robot knows its presses.
+        processes: Which the robot has.
 
     Args:
         context: What the process of the node has.
@@ -70,24 +68,7 @@ class RobotLink:
         self._jog_out = bus.publisher(topics.JOG)
         self._goal_out = bus.publisher(topics.GOAL)
         self._answered: OperatorState | None = None  # what the plant answered last
-        self._roster, self._lock = Roster(), threading.Lock()
-        bus.watch_alive(self._on_token)
-        bus.subscribe(topics.EVERY_DIAG, self._on_diag)
-
-    def _on_token(self, key: str, there: bool) -> None:
-        with self._lock:
-            self._roster.token(key, there, time.monotonic())
-
-    def _on_diag(self, key: str, data: bytes) -> None:
-        diag = unpack_valid(Diag, data)
-        if diag is not None and topics.diag(diag.role) == key:
-            with self._lock:
-                self._roster.diag(diag, time.monotonic())
-
-    def rows(self) -> list[Row]:
-        """Return the processes that are seen."""
-        with self._lock:
-            return self._roster.rows()
+        self.processes = ProcessWatcher(bus)
 
     def look(self, now: float) -> Seen:
         """Return what is known `now` [s]."""

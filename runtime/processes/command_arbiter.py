@@ -70,6 +70,8 @@ class CommandArbiter:
             key, limits = topics.GRIPPER_COMMAND, (robot.gripper.most, robot.gripper.max_effort)
             grips = TopicInput(key, GripperCommand, fresh, refusals, standbys=True)
             self._gripper = _Motor(topics.GRIPPER_AGENT, grips, limits)
+        every = {**self._motors, topics.GRIPPER_COMMAND: self._gripper}
+        self._by_key = {key: motor for key, motor in every.items() if motor is not None}
 
     def take(self, arrival: Sample, t: float) -> tuple[str, float] | None:
         """Take what arrived at plant time `t` [s].
@@ -77,9 +79,7 @@ class CommandArbiter:
         Returns:
             Which role answers the state of which plant time [s]; None if it was refused.
         """
-        motor = self._motors.get(arrival.key)
-        if arrival.key == topics.GRIPPER_COMMAND:
-            motor = self._gripper
+        motor = self._by_key.get(arrival.key)
         if motor is None:
             self._refusals.count_unknown(arrival.key)
             return None

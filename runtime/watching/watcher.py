@@ -52,24 +52,14 @@ class View(NamedTuple):
     gate: OperatorState | None = None
 
 
-class Watcher:
-    """Watches a robot on its bus; call `look` as often as it is to be shown."""
+class ProcessWatcher:
+    """Watches which processes a robot has, and how they are."""
 
     def __init__(self, bus: Bus) -> None:
         self._bus = bus
         self._lock = threading.Lock()
         self._changed = threading.Event()
         self._roster = Roster()
-        self.clock = BusClock(bus, time.monotonic())  # as of the last look
-        self._worst: float | None = None
-        refusals = Refusals()
-        self._hand = TopicInput(topics.HAND, EndEffectorPose, _FRESH, refusals)
-        self._platform = TopicInput(topics.PLATFORM, PlatformPose, _FRESH, refusals)
-        self._goal = GoalInput(_FRESH, refusals)
-        self._gate = TopicInput(topics.OPERATOR_STATE, OperatorState, _FRESH, refusals)
-        inputs: list[TopicInput[Any]] = [self._hand, self._platform, self._gate]
-        inputs += self._goal.inputs.values()
-        self._inputs = [(bus.ring(each.key, _AT_ONCE), each) for each in inputs]
         bus.watch_alive(self._on_token)
         bus.subscribe(topics.EVERY_DIAG, self._on_diag)
 
@@ -97,6 +87,28 @@ class Watcher:
         for key in self._bus.who_is_alive(timeout):
             self._on_token(key, True)
 
+    def rows(self) -> list[Row]:
+        """Return what is known of each process."""
+        with self._lock:
+            return self._roster.rows()
+
+
+class Watcher(ProcessWatcher):
+    """Watches a robot on its bus; call `look` as often as it is to be shown."""
+
+    def __init__(self, bus: Bus) -> None:
+        self.clock = BusClock(bus, time.monotonic())  # as of the last look
+        self._worst: float | None = None
+        refusals = Refusals()
+        self._hand = TopicInput(topics.HAND, EndEffectorPose, _FRESH, refusals)
+        self._platform = TopicInput(topics.PLATFORM, PlatformPose, _FRESH, refusals)
+        self._goal = GoalInput(_FRESH, refusals)
+        self._gate = TopicInput(topics.OPERATOR_STATE, OperatorState, _FRESH, refusals)
+        inputs: list[TopicInput[Any]] = [self._hand, self._platform, self._gate]
+        inputs += self._goal.inputs.values()
+        self._inputs = [(bus.ring(each.key, _AT_ONCE), each) for each in inputs]
+        super().__init__(bus)
+
     def look(self) -> View:
         """Return what is known now."""
         now = time.monotonic()
@@ -108,8 +120,7 @@ class Watcher:
         if pose is not None and message is not None:
             error = math.dist(pose.position, goal_at(message, pose.t))
             self._worst = max(self._worst or 0.0, error)
-        with self._lock:
-            rows = self._roster.rows()
+        rows = self.rows()
         hand = None if pose is None else pose.position
         goal = None if message is None else goal_at(message, t)
         joints, platform = self.clock.states.fresh(now), self._platform.fresh(now)
