@@ -16,6 +16,8 @@ from plant.plant import Readings
 from plant.robot import Robot, Row
 
 Array = npt.NDArray[np.float64]
+Places = npt.NDArray[np.complex128]
+"""Places on the floor, x + iy [m], so that turning is multiplication."""
 
 
 class AgentError(MsmaError, ValueError):
@@ -114,6 +116,7 @@ class Percepts(NamedTuple):
             joints=Joints(np.asarray(readings.q), np.asarray(readings.qd)),
             base=array(readings.base),
             goal=goal,
+            sensors=readings.sensors,
             orientation=orientation,
         )
 
@@ -154,6 +157,9 @@ class Agent(ABC):
 
     perception: str = "none"
     """What the last decision was based on, for people to see."""
+
+    trouble: str = ""
+    """Why it does not what its goal asks for, for people to see; nothing while it does."""
 
     sees: frozenset[str] = frozenset(("hand", "joints", "base", "goal"))
     """Which percepts it has a use for: the others need not come to its process.

@@ -1,18 +1,8 @@
 """The law of a joint that has no model, only an eye on the hand.
 
-It sees the hand as a vector s of lengths [m]: its place, and where the goal has an orientation also
+It sees the hand as a vector of lengths [m]: its place, and where the goal has an orientation also
 how far it has turned since it was first seen, the sum of its small turns about the axes of the
-world times sqrt(2 k). With g where the hand should be, |g - s|^2 is the cost of `markers` up to
-fourth powers of angles, so that one law serves both:
-
-    8 k sin^2(phi / 2) = 2 k phi^2 - ...
-
-What the joint does to s is its own column of the Jacobian matrix, J (`watching`), learned from
-small moves by chance. With s' the velocity of the hand and H how far it looks ahead,
-
-    w = J . (g + g' H - s - s' H) / (|J|^2 + c v),    v = exp(-T / m) v + b w / H,
-
-c v standing for the variance of the estimate of J.
+world times sqrt(2 k). So one law serves both: docs/law.md has it.
 """
 
 from typing import NamedTuple
@@ -20,7 +10,6 @@ from typing import NamedTuple
 import numpy as np
 
 from agents.agent import Array, Body, Goal, Percepts
-from agents.laws import GAP, Law
 from agents.markers import (
     LEVER,
     Quaternion,
@@ -32,6 +21,7 @@ from agents.markers import (
     turn_of,
 )
 from agents.number import MANY, components
+from agents.others import TRUST
 from agents.sight import View
 from agents.watching import Content, OwnColumn, OwnMotion, SteadyEye
 from plant.kinematics import ArmPose
@@ -98,7 +88,7 @@ class Lengths:
         )
 
 
-class LineByEye(Law):
+class LineByEye:
     """Relaxed line minimisation without any model: the joint learns what its turning does.
 
     It decides once a window and keeps to that between. On top of each decision it makes a small
@@ -128,6 +118,7 @@ class LineByEye(Law):
         """
         self._body = body
         self._horizon, self._memory = self.FURTHER * horizon, memory
+        self._gap = TRUST * horizon  # an older sight says nothing of a speed now
         self._top_speed = top_speed
         self._window = max(self.WINDOW, body.period)
         self._told: tuple[Told, ...] = ()
@@ -157,7 +148,7 @@ class LineByEye(Law):
 
     def _take_over(self, t: float, lever: float) -> None:
         """Begin afresh, from what a model told if that is not long ago."""
-        fresh = [told for told in self._told if 0 < t - told.t <= GAP]
+        fresh = [told for told in self._told if 0 < t - told.t <= self._gap]
         self._told = ()
         self._begin(lever, fresh[-1].column(lever) if fresh else None)
         for told in fresh:
@@ -176,7 +167,7 @@ class LineByEye(Law):
             x, y, z, w = components(view.orientation)
             lever, turn = self._lever, (w, x, y, z)
         last = t if self._t is None else self._t
-        if self._told or lever != self._lengths.lever or not 0 <= t - last <= GAP:
+        if self._told or lever != self._lengths.lever or not 0 <= t - last <= self._gap:
             self._take_over(t, lever)
         elapsed = self._window if self._t is None else t - self._t
         if elapsed < 0.9 * self._window:

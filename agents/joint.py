@@ -1,12 +1,12 @@
 """The agents of the arm's joints."""
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 import numpy as np
 
 from agents.agent import REST, Agent, AgentError, Array, Body, Percepts
 from agents.by_eye import LineByEye
-from agents.laws import Law, LineByModel, StepByEye, StepByModel
+from agents.laws import LineByModel
 from agents.number import MANY, ONE, Number, components, namespace_of
 from agents.sight import Perception, Sight
 
@@ -21,25 +21,21 @@ class JointAgent(Agent):
         self,
         body: Body,
         *,
-        law: Literal["line", "fixed-step"] = "line",
         perception: Perception = "auto",
         horizon: Annotated[float, "s"] = 0.12,
         memory: Annotated[float, "s"] = 5.0,
         bend: Annotated[float, "rad"] = 0.0,
-        step: Annotated[float, "rad"] = np.deg2rad(1.0),
     ) -> None:
         """Become the agent of one joint.
 
-        law: the best step ahead (`LineByModel`, or `LineByEye`), or the paper's fixed step
         perception: see `Sight`
-        horizon: of the lines: how far ahead it looks [s]; at least one and a half control periods
-        memory: of the lines: time in which a motion that nothing asks for dies [s]
-        bend: of the lines, with a model: how far off straight it stays if it can [rad]
-        step: of `fixed-step` [rad] a control period
+        horizon: how far ahead it looks [s]; at least one and a half control periods
+        memory: time in which a motion that nothing asks for dies [s]
+        bend: with a model: how far off straight it stays if it can [rad]
 
         Raises `AgentError` when a value is out of its range.
         """
-        for name, value in (("horizon", horizon), ("memory", memory), ("step", step)):
+        for name, value in (("horizon", horizon), ("memory", memory)):
             if not value > 0:
                 raise AgentError(f"{name}: {value:g} must be positive")
         if not 0 <= bend <= np.pi / 2:
@@ -50,21 +46,9 @@ class JointAgent(Agent):
         self.sees = self._sight.sees | {"goal"}
         self._may_fail = perception == "auto"  # the model, while there is something else to go by
         horizon = max(horizon, 1.5 * body.period)
-        self._by_model: Law
-        self._by_eye: Law
-        if law == "fixed-step":
-            self.rest = 0.0  # a step is for a period
-            speed = step / body.period
-            self._by_model = StepByModel(body, self._joint, speed=speed)
-            self._by_eye = StepByEye(speed)
-        else:
-            self.rest = REST * horizon
-            self._by_model = LineByModel(
-                body, self._joint, horizon=horizon, memory=memory, bend=bend
-            )
-            self._by_eye = LineByEye(
-                body, horizon=horizon, memory=memory, top_speed=self._top_speed
-            )
+        self.rest = REST * horizon
+        self._by_model = LineByModel(body, self._joint, horizon=horizon, memory=memory, bend=bend)
+        self._by_eye = LineByEye(body, horizon=horizon, memory=memory, top_speed=self._top_speed)
 
     def decide(self, percepts: Percepts) -> Array | None:
         """Return the velocity (...) [rad/s or m/s]; None without a goal or a sight of the hand."""

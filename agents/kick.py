@@ -3,8 +3,9 @@
 Each joint alone turning the best way can come to rest where none can do better by itself: pressed
 against a stop, straight with the goal on its line, wound the wrong way. So where the hand has not
 come nearer for a while, a joint goes to a place of its range by chance for a moment, and then does
-its best from there. Each decides alone and at a time of its own. The longer a goal has stood, the
-rarer, so that an arm does not move for ever after what cannot be reached.
+its best from there. Each decides alone and at a time of its own, and not while a platform carries
+the arm on, which may first have to lead away. The longer a goal has stood, the rarer, so that an
+arm does not move for ever after what cannot be reached.
 """
 
 from typing import NamedTuple
@@ -12,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from agents.agent import Body
-from agents.number import Namespace, Number
+from agents.number import Namespace, Number, Vector
 from agents.others import Link
 
 NEARER = 0.97
@@ -21,12 +22,9 @@ loses 8 of 100 with a joint locked (seeds 0 to 9)."""
 ANEW = 2.0
 """[1] times the least distance so far, or more, is another approach, as after another's move: else
 one of many joints would always be moving."""
-PATIENCE = 0.25, 0.5
-"""[horizons] for each joint of the arm, without coming nearer, by chance between, so that an arm of
-many is not always moving: 1.7 times loses 2 to 9 of 100 (seed 1)."""
-CARRIED = 2.0
-"""[1] times as patient is an arm on a platform, whose ways take longer: 1 loses 4 of 100 poses, 4
-loses 2 (ARPH, seeds 1 and 2)."""
+PATIENCE = 0.5
+"""[horizons] at most for each joint of the arm, without coming nearer, and half of that at least,
+by chance, so that an arm of many is not always moving: 1.7 times loses 2 to 9 of 100 (seed 1)."""
 LASTS = 0.1, 0.25
 """[1] of the time that its range, or a full turn, takes it at top speed, by chance
 between, and a horizon at least: half or twice of it loses 2 to 10 of 100."""
@@ -34,7 +32,8 @@ CLOSE = 0.04, 3.0
 """[reaches, 1] Hand and goal that are so close are given so many times as long: 1 loses 5
 of 100."""
 REACHED = 0.002
-"""[reaches] of hand and goal, from which on nothing is to be gained."""
+"""[reaches] of hand and goal, from which on nothing is to be gained; a platform that has moved by
+more gets on."""
 RARER = 250.0
 """[horizons] that a goal has stood, from which on patience grows in proportion: a minute's half."""
 FULL_TURN = np.pi
@@ -52,6 +51,7 @@ class Kick(NamedTuple):
         chance: From 0 to 1: how patient it is.
         until: When the move ends [s].
         place: Where it leads to [rad or m].
+        base: x, y [m] and heading [rad] of the platform at `since`; None on a bolted arm.
     """
 
     goal: bytes
@@ -61,6 +61,7 @@ class Kick(NamedTuple):
     chance: Number
     until: Number
     place: Number
+    base: Vector | None
 
 
 class Kicks:
@@ -69,7 +70,7 @@ class Kicks:
     def __init__(self, body: Body, own: Link, reach: float, horizon: float) -> None:
         """Move a joint of that body, whose arm has a reach [m] and decides for a horizon [s]."""
         self._body, self._horizon = body, horizon
-        self._patience = body.robot.n * horizon * (1.0 if body.robot.drive is None else CARRIED)
+        self._patience, self._reach = body.robot.n * horizon, reach
         self._close, self._reached = CLOSE[0] * reach, REACHED * reach
         half = 0.5 * min(own.upper - own.lower, np.inf if own.slides else 2.0 * FULL_TURN)
         middle = min(max(0.0, own.lower + half), own.upper - half)
@@ -77,7 +78,13 @@ class Kicks:
         self._speed, self._span = own.speed, 2.0 * (half if own.slides else FULL_TURN)
 
     def watched(
-        self, xp: Namespace, kick: Kick | None, goal: bytes, t: float, distance: Number
+        self,
+        xp: Namespace,
+        kick: Kick | None,
+        goal: bytes,
+        t: float,
+        distance: Number,
+        base: Vector | None,
     ) -> Kick:
         """Return the memory after a look at `t` [s]; the joint moves by chance while t < `until`.
 
@@ -87,13 +94,20 @@ class Kicks:
             goal: Which one stands still, as bytes.
             t: Plant time [s].
             distance: Of hand and goal [m]: the root of their cost.
+            base: x, y [m] and heading [rad] of the platform; None on a bolted arm.
         """
         if kick is None or kick.goal != goal:
-            kick = Kick(goal, t, np.inf, t, 0.5, -np.inf, 0.0)
-        _, stands, least, since, chance, until, place = kick
-        nearer = (distance < NEARER * least) | (distance > ANEW * least)
-        least, since = xp.where(nearer, distance, least), xp.where(nearer, t, since)
-        patience = self._patience * (PATIENCE[0] + (PATIENCE[1] - PATIENCE[0]) * chance)
+            kick = Kick(goal, t, np.inf, t, 0.5, -np.inf, 0.0, base)
+        _, stands, least, since, chance, until, place, before = kick
+        gets_on = (distance < NEARER * least) | (distance > ANEW * least)
+        if base is not None and before is not None:
+            x, y, turn = (now - then for now, then in zip(base, before, strict=True))
+            moved = xp.abs(x) + xp.abs(y) + 2.0 * self._reach * xp.abs(xp.sin(0.5 * turn))
+            gets_on = gets_on | (moved > self._reached)
+            x, y, turn = (xp.where(gets_on, *two) for two in zip(base, before, strict=True))
+            before = x, y, turn
+        least, since = xp.where(gets_on, distance, least), xp.where(gets_on, t, since)
+        patience = self._patience * PATIENCE * (0.5 + 0.5 * chance)
         patience = patience * xp.where(distance < self._close, CLOSE[1], 1.0)
         patience = patience * max((t - stands) / (RARER * self._horizon), 1.0)
         goes = (t - since > patience) & (distance > self._reached)
@@ -106,4 +120,4 @@ class Kicks:
             place = xp.where(goes, low + (high - low) * three, place)
             chance = xp.where(goes, one, chance)
             least, since = xp.where(goes, np.inf, least), xp.where(goes, until, since)
-        return Kick(goal, stands, least, since, chance, until, place)
+        return Kick(goal, stands, least, since, chance, until, place, before)

@@ -1,18 +1,14 @@
-"""What a law is by which a joint turns the hand towards the goal, and those that use a model."""
+"""The law by which a joint with a model turns the hand towards the goal."""
 
-from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from math import exp
 from typing import NamedTuple
-
-import numpy as np
 
 from agents.agent import Array, Body, Goal, Percepts
 from agents.kick import Kick, Kicks
 from agents.markers import (
     LEVER,
     Off,
-    after_step,
     aim_at,
     cost,
     moved_by,
@@ -38,23 +34,6 @@ BRAKES = 0.7
 """[1] of the speed from which it could just brake in time: what is left makes up for others."""
 LEAST_SPEED = 0.1
 """[1] of its top speed, that it may always use: braking is left to the horizon that close."""
-GAP = 0.5
-"""[s] after which an older sight says nothing of a speed now: eight periods of the paper's."""
-
-
-class Law(ABC):
-    """One way for one joint to decide."""
-
-    @abstractmethod
-    def velocity(self, percepts: Percepts, goal: Goal, view: View) -> Array:
-        """Return the joint's velocity (...) [rad/s or m/s], before its limits."""
-
-    def listen(self, t: float, view: View, joint: int, speed: Array) -> None:
-        """Hear what a law with a model sees and does, to go on from there when it cannot.
-
-        joint: index of the joint (from 0); speed: (...) that it moves at [rad/s or m/s]
-        """
-        return  # most laws begin afresh as well
 
 
 class Last(NamedTuple):
@@ -75,29 +54,14 @@ class Last(NamedTuple):
     kick: Kick | None
 
 
-class LineByModel(Law):
+class LineByModel:
     """The best step a moment ahead, after what the joints beyond will do.
 
     The joint goes on as it moves now, a little less, corrected by the step that would bring the
-    hand closest to where the goal will be at the end of the horizon H, less what the hand will
-    have moved by then if all go on so, after the joints beyond have done their part (`others`):
-
-        v = f q' + w / H,    f = exp(-T / m),    w = `best_step` to g + g' H - s' H,
-
-    with T since the last decision and s' the velocity of the hand s by the speeds f q' of all. Once
-    w is 0, what is off, g - s, fades as exp(-t / H). (With the place where the arm would be in H,
-    half of H^2 times the acceleration that the hand has at constant speeds of all would stay.) So a
-    goal in steady motion is followed without lag, and what others do, or fail to do, is made up for
-    without knowing of it. Motion that serves nothing fades within m: `memory` while the goal moves,
-    `FADES` where it stands still; what serves is made up for in w. It is the encoder that
-    remembers, so what does not move does not wind up. Towards a goal that stands still,
-
-        |v| <= max(`BRAKES` sqrt(2 a |w + f q' H|), `LEAST_SPEED` v_max)
-
-    with the acceleration a that the joint brakes with; there it may also be moved by chance
-    (`kick`). The speed that fades need not be towards rest: short of `bend` from straight it is
-    towards a slow bending, which the others make up for. On a platform, |v| is at most
-    v_max `NEAR`^2 / d^2 while the goal is d off on the level, farther than `NEAR`.
+    hand closest to where the goal will be at the end of the horizon, less what the hand will have
+    moved by then if all go on so, after the joints beyond have done their part (`others`):
+    docs/law.md has the formulas. It is the encoder that remembers, so what does not move does not
+    wind up.
     """
 
     def __init__(
@@ -124,7 +88,7 @@ class LineByModel(Law):
         q, speeds = components(joints.position), components(joints.velocity)
         base = None if percepts.base is None else components(percepts.base)
         last = self._last
-        if last is None or not 0.0 <= t - last.t <= GAP:
+        if last is None or not 0.0 <= t - last.t <= TRUST * horizon:
             fresh = [first_seen(speed) for speed in speeds[index:]]
             last = Last(t - self._period, base, fresh, [0.0] * len(fresh), None)
         elapsed, moves = min(t - last.t, horizon), goal.moves(t)
@@ -158,7 +122,7 @@ class LineByModel(Law):
         if not moves:
             off = Off(arm.tip_parts, hand and turn_against(xp, hand, aim))
             missing = xp.sqrt(cost(off, aim.place, self._lever2))
-            kick = self._kicks.watched(xp, last.kick, _standing(goal), t, missing)
+            kick = self._kicks.watched(xp, last.kick, _standing(goal), t, missing, base)
         if kick is not None:
             step = xp.where(t < kick.until, kick.place - places[index], step)
         self._last = Last(t, base, seen, changes, kick)
@@ -194,57 +158,3 @@ def _standing(goal: Goal) -> bytes:
     """Return which goal that stands still it is."""
     turned = b"" if goal.orientation is None else goal.orientation.tobytes()
     return goal.position.tobytes() + turned
-
-
-class StepByModel(Law):
-    """The paper's words: of a step one way, a step the other way and none, the one that is best.
-
-    The agent works out beforehand where the hand would be and "can decide the right move"
-    (section 3.1). Joints that all do so at once end in a limit cycle of about a step's size.
-    """
-
-    def __init__(self, body: Body, joint: int, *, speed: float) -> None:
-        """Move joint `joint` (from 0) by `speed` [rad/s or m/s] times a period at each step."""
-        self._joint, self._slides = joint, body.robot.joints[joint].slides
-        self._speed, self._step = speed, speed * body.period
-
-    def velocity(self, percepts: Percepts, goal: Goal, view: View) -> Array:
-        """Return plus or minus the step's speed, or 0: (...) [rad/s or m/s]."""
-        assert percepts.joints is not None
-        assert view.arm is not None
-        xp, place = namespace_of(percepts.joints.position), place_at(goal, goal.moving(percepts.t))
-        axis, point = view.arm.axis_parts[self._joint], view.arm.point_parts[self._joint]
-        off = Off(view.arm.tip_parts, None)
-        best: Number = 0.0
-        least = cost(off, place, 0.0)
-        for way in (1.0, -1.0):
-            then = cost(
-                after_step(xp, off, way * self._step, axis, point, self._slides), place, 0.0
-            )
-            best, least = xp.where(then < least, way, best), xp.minimum(then, least)
-        chosen: Array = best * self._speed
-        return chosen
-
-
-class StepByEye(Law):
-    """The paper's second way: step on while the hand comes nearer, turn back when it went away.
-
-    "We must accept that a joint may rotate in the wrong direction at some steps" (section 3.1).
-    """
-
-    def __init__(self, speed: float) -> None:
-        """Turn by `speed` [rad/s]."""
-        self._speed = speed
-        self._way: Array | None = None
-        self._distance: Array | None = None
-        self._t = -np.inf
-
-    def velocity(self, percepts: Percepts, goal: Goal, view: View) -> Array:
-        """Return plus or minus the speed: (...) [rad/s]."""
-        distance = ((view.hand - goal.at(percepts.t)) ** 2).sum(axis=-1)
-        if self._way is None or self._distance is None:
-            self._way = np.ones_like(distance)
-        elif percepts.t > self._t:
-            self._way = np.where(distance > self._distance, -self._way, self._way)
-        self._distance, self._t = distance, percepts.t
-        return self._way * self._speed

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from agents.agent import Array
-from agents.steering import Places
+from agents.agent import Array, Places
 from plant.kinematics import ArmPose
 
 ALONE = 8.0

@@ -27,7 +27,8 @@ from agents.number import Namespace, Number, Vector
 from plant.kinematics import ArmPose
 
 TRUST = 4.0
-"""[horizons] in which what was seen of another fades: 0.25 s to 1 s do as well (seeds 0 to 9)."""
+"""[horizons] in which what was seen of another fades, and after which a sight says nothing of a
+speed now: 0.25 s to 1 s do as well (seeds 0 to 9)."""
 TRIFLE = 1e-6
 """[rad2/s2 or m2/s2] of changes made and wanted that a joint has to its credit to begin with."""
 CLEARLY = 0.1

@@ -3,18 +3,8 @@
 A receding horizon over the platform's own motion. Places on the floor are complex numbers in the
 platform's frame of now, x ahead and y to its left, so that turning is multiplication. A plan holds
 a speed ahead v and one of turning w for each of M intervals, as shares of the drive's tops.
-Of a hand held at h, with a goal at g and the platform at p, heading e^ia, what is missing is
-r_j = g_j - p_j - e^ia_j h_j at the end of interval j. The cost is
-
-    sum_j T_j rho(r_j) + T rho(2 q) + (rest from there) + (what moving and changing speed count),
-    q = r_M - a (e^i psi - e^i psi_M),
-    rho(r) = d^2 / P ((1 + |r|^2 / d^2)^P - 1)
-
-so that small errors count by their square and large ones by a root: a detour, however wide, is
-better than an error for good. The term in q is for hands behind the axle (`Planner._tail`): a plan
-is to end with the heading psi with which such a hand, a ahead of the axle, stays over the goal.
-A hand that is to be turned in some way counts with all its markers: a turn of the platform by a
-turns them by a, so that |r_j|^2 in rho gains |e^ia_j z - |z||^2, with z as in `Course`.
+docs/law.md has its cost, in which small errors count by their square and large ones by a root: a
+detour, however wide, is better than an error for good.
 Lengths are shares of the arm's reach L, times of L / v_max.
 """
 
@@ -23,9 +13,11 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from agents.agent import Array
-
-Places = npt.NDArray[np.complex128]
+from agents.agent import Array, Places
+from agents.clearance import Clearance
+from agents.in_parts import InParts
+from agents.outline import Outline
+from agents.towing import Tail, beside_goal, tail_of
 
 INTERVALS = 14
 """[] M, intervals of a plan. Trade-off: a decision's time grows with its cube; 7 are too coarse
@@ -47,7 +39,7 @@ END = 0.6
 times as long makes no difference."""
 TRIFLE = 0.002
 """[L] Error that counts as none, for what adds up and for detours. Chosen: a fifth of d."""
-MOVES = 0.01
+MOVES = SMALL
 """[L] Error as bad as turning at the top speed, or as changing to it within L / v_max. Trade-off:
 more is smoother; 0.03 is sluggish after a push."""
 SEEDS = 12
@@ -59,9 +51,6 @@ hysteresis against changing sides at every plan; 0.97 makes no difference."""
 BEYOND = 6
 """[] Growing intervals after the plan's end, in which only the heading that tows is worked out.
 Chosen: they reach to 90 s with ARPH; 3 do nearly as well."""
-OBLIQUE = 0.8
-"""[] Sine of the most that a platform heads off where the goal goes, to make up for the hand's own
-motion to the side. Chosen: at 1 the hand would drift as fast as the goal goes."""
 STEPS = 0.0, 1.0, 0.4, 0.1
 """[] Shares of a Gauss-Newton step that the line search tries. Standard: a full step, and
 backtracking by less than a half."""
@@ -80,6 +69,7 @@ class Course(NamedTuple):
         able: (..., 2) shares of the tops that the drive makes.
         turn: (..., 1) z: its angle is by how much the hand is turned about the upright against
             its goal, and a turn by c puts its markers off by |z| |e^ic - 1| [m]. None for any.
+        near: (K,) things to keep clear of [m]. None without an eye for them.
     """
 
     goal: Places
@@ -87,32 +77,22 @@ class Course(NamedTuple):
     now: Array
     able: Array
     turn: Places | None = None
-
-
-class Tail(NamedTuple):
-    """What is to be at the plan's end for a hand behind the axle to stay over its goal.
-
-    Attributes:
-        ahead: (..., 1) a, how far ahead of the axle the hand is [m].
-        heading: (..., 1) where the platform is to head, as e^i psi.
-        weight: (..., 1) T = 1 / (2 z), how long what is off there lasts [s].
-    """
-
-    ahead: Array
-    heading: Places
-    weight: Array
+    near: Places | None = None
 
 
 class Planner:
     """Plans for one kind of platform, for any leading dimensions."""
 
-    def __init__(self, top: Array, acceleration: Array, reach: float) -> None:
+    def __init__(
+        self, top: Array, acceleration: Array, reach: float, outline: Outline | None = None
+    ) -> None:
         """Plan for a drive under an arm.
 
         Args:
             top: (2,) speeds [m/s], [rad/s].
             acceleration: (2,) [m/s2], [rad/s2].
             reach: L [m].
+            outline: Of a platform that sees things; None if it sees none.
         """
         self.top, self.reach, self.unit = top, reach, reach / float(top[0])
         self._change = acceleration / top
@@ -123,6 +103,9 @@ class Planner:
         self._most_ahead, self._most_turn = self.length * top[:, None]  # [m], [rad] in each
         late = FIRST * self.unit / self.length  # of each mean speed that is still the one before
         self._mix = np.diag(1 - late) + np.diag(late[1:], k=-1)
+        self._clearance = None
+        if outline is not None:
+            self._clearance = Clearance(outline, reach, np.asarray(self.length), top, self._mix)
         between = np.concatenate([self.length[:1], 0.5 * (self.length[1:] + self.length[:-1])])
         size = MOVES * reach * self.unit / np.sqrt(between)
         self._first = float(size[0])
@@ -134,17 +117,24 @@ class Planner:
         self._shares = np.array(STEPS)[:, None]
         self._final = np.exp(2j * np.pi * np.arange(SEEDS) / SEEDS)
 
-    def plan(self, course: Course, before: Array | None) -> tuple[Array, Array]:
+    def plan(self, course: Course, before: Array | None) -> InParts[tuple[Array, Array]]:
         """Return a plan (..., M, 2), and the errors (..., M) [m] expected with it.
 
         The better of two after a Gauss-Newton step each: what is left of the plan made last
-        (`before`), and the best of those that stop, go on, or turn, drive and turn.
+        (`before`), and the best of those that stop, go on, or turn, drive and turn. It is worked
+        out in parts of about the same time, after each of which the caller may wait.
         """
         held = np.broadcast_to(course.now[..., None, :], (*course.goal.shape[:-1], INTERVALS, 2))
         least, most = self._bounds(course)
         others = np.stack([np.zeros_like(held), held], axis=-3)
-        others = np.clip(np.concatenate([others, self._seeds(course)], axis=-3), least, most)
-        tail = self._tail(course)
+        others = np.concatenate([others, self._seeds(course)], axis=-3)
+        if self._clearance is not None and course.near is not None:
+            ways = self._clearance.detours(
+                course.near, course.goal, course.hand, self.end, self.top
+            )
+            others = np.concatenate([others, ways], axis=-3)
+        others = np.clip(others, least, most)
+        tail = tail_of(course.goal, course.hand, self.times, self.end)
         best = self._cost(course, tail, others)[0].argmin(axis=-1)[..., None]
         first = held if before is None else before
         both = np.concatenate(
@@ -154,7 +144,8 @@ class Planner:
             ],
             axis=-3,
         )
-        both, costs, left = self._improved(course, tail, both, least, most)
+        yield
+        both, costs, left = yield from self._improved(course, tail, both, least, most)
         takes = costs[..., 1] < BETTER * costs[..., 0]
         plan = np.where(takes[..., None, None], both[..., 1, :, :], both[..., 0, :, :])
         return plan, np.where(takes[..., None], left[..., 1, :], left[..., 0, :])
@@ -175,40 +166,10 @@ class Planner:
         most: Array = np.clip(now + change, floor, able)
         return least, most
 
-    def _tail(self, course: Course) -> Tail:
-        """Return what is to be at the plan's end.
+    def _moved(self, course: Course, plan: Array) -> tuple[list[Places], list[Places], Places]:
+        """Return places and headings, in mid-interval and at its end, and what is missing then.
 
-        A hand at h = a + i b, with a < 0, keeps to a goal that goes at V to phi while
-        V sin(phi - psi) = w a + b'. This is unstable at z = V / |a| (it has a zero there), so
-        psi is its bounded solution: backwards, from beyond the end, it follows
-        phi - asin(b' / V) with the time constant 1 / z (Devasia, Chen and Paden 1996,
-        "Nonlinear inversion-based output tracking"). Where it is off by y to the side at the
-        axle, an error of 2 y e^-zt brings it back with the least squares, so that the rest of
-        the cost is rho(2 y) / (2 z); slower than the horizon H, it need not be brought back:
-        1 / z becomes V |a| / (V^2 + a^2 / H^2).
-        """
-        last = INTERVALS - 1
-        step = np.diff(self.times[last:])
-        going = np.diff(course.goal[..., last:], axis=-1) / step
-        drift = np.diff(course.hand[..., last:], axis=-1).imag / step
-        speed = np.maximum(np.abs(going), 1e-9)
-        sine = np.clip(drift / speed, -OBLIQUE, OBLIQUE)
-        steady = going / speed * (np.sqrt(1 - sine**2) - 1j * sine)
-        behind = np.maximum(-course.hand.real, 0.0)
-        kept = np.exp(-speed * step / np.maximum(behind[..., INTERVALS:], 1e-9))
-        after = np.cumprod(kept, axis=-1)
-        heading = (steady * np.diff(after, axis=-1, prepend=1)).sum(axis=-1)
-        heading = after[..., -1] * steady[..., -1] - heading
-        heading = heading / np.maximum(np.abs(heading), 1e-9)
-        speed, behind = speed[..., 0], behind[..., last]
-        weight = speed * behind / (speed**2 + (behind / self.end[-1]) ** 2) / 2
-        ahead = course.hand[..., last].real
-        return Tail(ahead[..., None], heading[..., None], weight[..., None])
-
-    def _moved(self, course: Course, plan: Array) -> tuple[Places, Places, Places, Places]:
-        """Return the headings at the end of each interval, and last what is missing then.
-
-        Between them the headings and places in mid-interval, all (..., C, M).
+        All (..., C, M).
         """
         speed = self._mix @ plan
         speed[..., 0, :] += course.now[..., None, :]
@@ -221,7 +182,8 @@ class Planner:
         place = np.cumsum(way, axis=-1)
         heading = np.exp(1j * angle)
         hand = place + heading * course.hand[..., None, :INTERVALS]
-        return heading, middle, place - 0.5 * way, course.goal[..., None, :INTERVALS] - hand
+        missing = course.goal[..., None, :INTERVALS] - hand
+        return [place - 0.5 * way, place], [middle, heading], missing
 
     def _rho(self, missing: Array) -> Array:
         size: Array = self._small**2 / POWER * ((1 + (missing / self._small) ** 2) ** POWER - 1)
@@ -229,17 +191,19 @@ class Planner:
 
     def _cost(self, course: Course, tail: Tail, plan: Array) -> tuple[Array, Array]:
         """Return the cost (..., C) [m2 s] of plans (..., C, M, 2), and their errors (..., C, M)."""
-        headings, _, _, missing = self._moved(course, plan)
-        far, heading = np.abs(missing), headings[..., -1]
-        rho, last = self._rho(_with_turn(course, headings, far)), far[..., -1]
+        places, headings, missing = self._moved(course, plan)
+        far, heading = np.abs(missing), headings[1][..., -1]
+        rho, last = self._rho(_with_turn(course, headings[1], far)), far[..., -1]
         time, turns = self._to_go(course, heading, missing[..., -1])
-        beside = self._rho(np.abs(_beside(tail, heading, missing)))
+        beside = self._rho(np.abs(beside_goal(tail, heading, missing)))
         swing = np.abs(course.hand[..., None, INTERVALS - 1]) * np.minimum(turns, np.pi) / 2
         swing = self._rho(swing) * last**2 / (last**2 + 4 * (TRIFLE * self.reach) ** 2)
         rest = rho[..., -1] * (END * self.unit + time / 2) + swing * turns / self.top[1]
         change = self._changed(course, plan)
         moves = (change**2 + self._turning * plan**2).sum(axis=(-1, -2))
         cost: Array = rho @ self.length + rest + tail.weight * beside + moves
+        if self._clearance is not None and course.near is not None:
+            cost += self._clearance.cost(course.near, places, headings)
         return cost, far
 
     def _changed(self, course: Course, plan: Array) -> Array:
@@ -261,7 +225,7 @@ class Planner:
 
     def _improved(
         self, course: Course, tail: Tail, plan: Array, least: Array, most: Array
-    ) -> tuple[Array, Array, Array]:
+    ) -> InParts[tuple[Array, Array, Array]]:
         """Return plans (..., C, M, 2) after one Gauss-Newton step within bounds.
 
         Then their costs (..., C) and errors (..., C, M).
@@ -269,8 +233,11 @@ class Planner:
         The hand turns about where the platform is in mid-interval, so that
         dh_j / dv_k = T_k e^ia_k and dh_j / dw_k = i T_k (h_j - p_k) for k up to j.
         """
-        headings, middle, pivot, missing = self._moved(course, plan)
+        places, turns, missing = self._moved(course, plan)
+        pivot, (middle, headings), rows = places[0], turns, None
         heading = headings[..., -1]
+        if self._clearance is not None and course.near is not None:
+            rows = self._clearance.rows(course.near, places, turns)
         hand = course.goal[..., None, :INTERVALS] - missing
         ahead = (self._until * (middle * self._most_ahead)[..., None, :]) @ self._mix
         around = 1j * (hand[..., :, None] - pivot[..., None, :]) * self._most_turn
@@ -283,7 +250,7 @@ class Planner:
         ways = np.concatenate([ways, aside], axis=-2)
         lasts = np.broadcast_to(tail.weight, heading.shape)[..., None]
         weight = np.concatenate([weight, lasts], axis=-1)
-        missing = np.concatenate([missing, _beside(tail, heading, missing)[..., None]], axis=-1)
+        missing = np.concatenate([missing, beside_goal(tail, heading, missing)[..., None]], axis=-1)
         far = np.abs(missing)
         far[..., :INTERVALS] = _with_turn(course, headings, far[..., :INTERVALS])
         root = np.sqrt(weight * (1 + (far / self._small) ** 2) ** (POWER - 1))
@@ -296,6 +263,9 @@ class Planner:
             root = np.concatenate([root, root[..., :INTERVALS]], axis=-1)
         slope = np.concatenate([ways.real, ways.imag], axis=-2) * np.tile(root, 2)[..., None]
         error = np.concatenate([missing.real * root, missing.imag * root], axis=-1)
+        if rows is not None:
+            slope = np.concatenate([slope, rows[0]], axis=-2)
+            error = np.concatenate([error, rows[1]], axis=-1)
         turned = np.swapaxes(slope, -1, -2)
         down = (turned @ error[..., None])[..., 0]
         down -= _flat(self._changes.T @ self._changed(course, plan) + self._turning * plan)
@@ -304,6 +274,7 @@ class Planner:
         bend = (turned @ slope + self._stiff) * (free[..., None] & free[..., None, :])
         row = np.arange(2 * INTERVALS)
         bend[..., row, row] += np.where(free, 1e-9, 1.0)
+        yield
         step = np.linalg.solve(bend, np.where(free, down, 0.0)[..., None])[..., 0]
         tried = at[..., None, :] + self._shares * step[..., None, :]
         tried = np.clip(tried, low[..., None, :], high[..., None, :])
@@ -338,12 +309,6 @@ def _with_turn(course: Course, heading: Places, far: Array) -> Array:
         return far
     turned = heading * course.turn[..., None]
     return np.hypot(far, np.abs(turned - np.abs(turned)))
-
-
-def _beside(tail: Tail, heading: Places, missing: Places) -> Places:
-    """Twice what is missing at the axle (..., C) [m] at the plan's end, beside the hand."""
-    beside: Places = 2 * (missing[..., -1] + tail.ahead * (heading - tail.heading))
-    return beside
 
 
 def _taken(values: npt.NDArray[Any], index: npt.NDArray[np.intp]) -> npt.NDArray[Any]:

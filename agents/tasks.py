@@ -3,7 +3,7 @@
 from collections.abc import Sequence as Steps
 from dataclasses import dataclass
 from math import dist
-from typing import Annotated
+from typing import Annotated, Literal
 
 import numpy as np
 
@@ -32,7 +32,10 @@ class Step:
     Attributes:
         position: In the world [m].
         rpy: Roll, pitch and yaw of the hand in the world [rad]; by default any will do.
+        free: What of that does not matter all the same, as of a path.
         grip: How far the gripper is to be open there [m]; by default it stays as it is.
+        holds: Whether it must hold something, from when it is closed on. If it does not, the task
+            goes back.
         tolerance: How near the hand must come before the next step begins [m].
         turned: By how much it may be turned otherwise [rad].
     """
@@ -41,7 +44,9 @@ class Step:
     rpy: tuple[Annotated[float, "rad"], Annotated[float, "rad"], Annotated[float, "rad"]] | None = (
         None
     )
+    free: Literal["nothing", "roll", "all"] | None = None
     grip: Annotated[float, "m"] | None = None
+    holds: bool = False
     tolerance: Annotated[float, "m"] = 0.01
     turned: Annotated[float, "rad"] = np.pi / 18
 
@@ -50,6 +55,8 @@ class Step:
         for name in ("tolerance", "turned"):
             if not getattr(self, name) > 0:
                 raise PathError(f"{name}: {getattr(self, name):g} must be positive")
+        if self.holds and self.grip is None:
+            raise PathError("holds: needs a grip too, such as grip: 0 cm")
         try:
             self.goal()
         except AttitudeError as error:
@@ -57,7 +64,7 @@ class Step:
 
     def goal(self) -> Goal:
         """Return the goal that stands there."""
-        attitude: Attitude = {"rpy": self.rpy, "grip": self.grip}
+        attitude: Attitude = {"rpy": self.rpy, "free": self.free, "grip": self.grip}
         return turning_of(attitude).goal(np.array(self.position), np.zeros(3), 0.0, 0.0)
 
     def is_done(self, percepts: Percepts) -> bool:
@@ -77,16 +84,21 @@ class Step:
         if state is None:
             return False
         off: float = state.opening - self.grip
-        return abs(off) <= _GRIPPED or (bool(state.holds) and off > 0)
+        holding = bool(state.holds) and off > 0
+        return holding or (abs(off) <= _GRIPPED and not self.holds)
 
 
 class Sequence(Path):
     """Poses one after the other, on straight lines; each begins when the one before is done.
 
     It remembers nothing that could be lost: the goal in force, which the plant says again, shows
-    which step it is at. So it goes on there when its process is killed and started again. A hand
+    which step it is at, also if another process has led there. So it goes on there when its process
+    is killed and started again, and a standby knows what to go on with. A hand
     that is far off its way, as after somebody else moved it, is led on from where it is. If it has
     seen nothing, it stands where it will lead to in the end.
+
+    One that has lost what it should hold, or has closed on nothing, goes back to the first of the
+    steps that led to taking it: where that was is all that it knows of things.
     """
 
     sees = frozenset(("hand", "goal", "gripper"))
@@ -106,19 +118,21 @@ class Sequence(Path):
             raise PathError(f"turning: {turning:g} rad/s must be positive")
         self._steps: Steps[Step] = steps
         self._speed, self._turning = speed, turning
-        self._index = len(steps) - 1
+        self._index = 0
         self._goal: Goal | None = None
         self._looks = 0
 
     def observe(self, percepts: Percepts) -> bool:
         """Go on if the present step is done; return whether the goal is known."""
-        if self._goal is None:
+        if not self._takes_on(percepts.goal) and self._goal is None:
             self._looks += 1
             if percepts.hand is None or (percepts.goal is None and self._looks < _LOOKS):
                 return False
-            self._resume(percepts)
+            self._begin(0, _standing(percepts), percepts.t)
         hand, t = percepts.hand, percepts.t
-        if hand is not None and dist(hand, self.piece(t).at(t)) > _LOST:
+        if hand is not None and self._has_lost(percepts):
+            self._begin(self._taking(), _standing(percepts), t)
+        elif hand is not None and dist(hand, self.piece(t).at(t)) > _LOST:
             self._begin(self._index, _standing(percepts), t)
         step, following = self._steps[self._index], self._index + 1
         if following < len(self._steps) and percepts.t >= self.end and step.is_done(percepts):
@@ -134,14 +148,35 @@ class Sequence(Path):
         """When the goal is at the present step [s]; at the last one, for good."""
         return 0.0 if self._goal is None else self._goal.until
 
-    def _resume(self, percepts: Percepts) -> None:
-        """Take on the goal in force if it leads to one of the steps, or begin with the first."""
-        known = percepts.goal
-        for index, step in enumerate(self._steps if known is not None else ()):
-            if known is not None and _leads_to(known, step):
-                self._index, self._goal = index, known
-                return
-        self._begin(0, _standing(percepts), percepts.t)
+    def _has_lost(self, percepts: Percepts) -> bool:
+        """Tell whether the gripper should hold something and does not.
+
+        At the first step with `holds` it does so once it is closed.
+        """
+        step, state = self._steps[self._index], percepts.sensors.get("gripper")
+        if not step.holds or step.grip is None or state is None or state.holds:
+            return False
+        taken = self._index > 0 and self._steps[self._index - 1].holds
+        return taken or state.opening <= step.grip + _GRIPPED
+
+    def _taking(self) -> int:
+        """Return the first of the steps that lead to what is to be held at the present one."""
+        index = self._index
+        while index > 0 and self._steps[index - 1].holds:
+            index -= 1
+        while index > 0 and not self._steps[index - 1].holds:
+            index -= 1
+        return index
+
+    def _takes_on(self, known: Goal | None) -> bool:
+        """Take on the goal in force if it leads to one of the steps; return whether it does."""
+        if known is None:
+            return False
+        after = (*range(self._index, len(self._steps)), *range(self._index))
+        found = next((index for index in after if _leads_to(known, self._steps[index])), None)
+        if found is not None:
+            self._index, self._goal = found, known
+        return found is not None
 
     def _begin(self, index: int, start: Goal, t: float) -> None:
         """Lead from one standing goal to a step, from plant time `t` [s] on."""
@@ -154,7 +189,9 @@ class Sequence(Path):
         lasts = max(float(max(times)), _SHORTEST)
         rates = None if turn is None else between / lasts
         self._index = index
-        self._goal = Goal(start.position, way / lasts, t, t + lasts, turn, rates, grip=end.grip)
+        self._goal = Goal(
+            start.position, way / lasts, t, t + lasts, turn, rates, end.free, end.grip
+        )
 
 
 def _standing(percepts: Percepts) -> Goal:

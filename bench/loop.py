@@ -7,6 +7,7 @@ machine for this number of Python processes with these laws and messages.
 import time
 from collections.abc import Callable, Container, Mapping
 from dataclasses import asdict
+from importlib.util import find_spec
 from pathlib import Path
 from statistics import median
 
@@ -22,6 +23,7 @@ from bench.loop_tables import (
     EVERY_STATE,
     NOTES,
     OURS,
+    PAGE_OPEN,
     PLAIN,
     Runs,
     costs_table,
@@ -30,7 +32,7 @@ from bench.loop_tables import (
     times_table,
 )
 from bench.machine import busy_cores, free_port
-from bench.msma_runs import ARPH, deployed, run_msma
+from bench.msma_runs import ARPH, PAGE, deployed, run_msma
 from studies.study import Progress, Row
 
 RATES = {17: 5.0, 100: 4.0, 500: 20.0, 1000: 6.0, 2000: 3.0}
@@ -39,6 +41,9 @@ ROUNDS = 3
 DETAILED = (500, 1000)
 """Rates [Hz] with further variants: those of the bars on time and processors."""
 _REPETITIONS = 500
+_NOISE = 1.1  # of one 99th percentile over another, that says nothing in so few runs
+WITH_PAGE = (1000,)
+"""Rates [Hz] that are also measured with a page open, if `msma[web]` is installed."""
 MOST_OFF = 0.006
 """Largest error of a run that counts as done [m]: at 60 ms, twice that of the paper."""
 
@@ -54,9 +59,11 @@ class LoopBench(Bench):
         rates: Mapping[int, float] = RATES,
         rounds: int = ROUNDS,
         detailed: Container[int] = DETAILED,
+        with_page: Container[int] = WITH_PAGE,
     ) -> None:
         """Measure at rates [Hz], each for a duration [s] in each round; some with all variants."""
         self._rates, self._rounds, self._detailed = rates, rounds, detailed
+        self._with_page = with_page if find_spec("websockets") else ()
 
     def measure(self, size: float, progress: Progress) -> Result:
         """Measure all systems at each rate, interleaved."""
@@ -64,7 +71,12 @@ class LoopBench(Bench):
         off: dict[int, list[float]] = {rate: [] for rate in self._rates}
         sides = {
             rate: _sides(
-                rate, max(full * size, 1.0), off[rate], progress, detailed=rate in self._detailed
+                rate,
+                max(full * size, 1.0),
+                off[rate],
+                progress,
+                detailed=rate in self._detailed,
+                with_page=rate in self._with_page,
             )
             for rate, full in self._rates.items()
         }
@@ -109,7 +121,13 @@ class LoopBench(Bench):
 
 
 def _sides(
-    rate: int, seconds: float, errors: list[float], progress: Progress, *, detailed: bool
+    rate: int,
+    seconds: float,
+    errors: list[float],
+    progress: Progress,
+    *,
+    detailed: bool,
+    with_page: bool,
 ) -> dict[str, Callable[[], Measurement]]:
     """Return functions that measure each system at a rate.
 
@@ -119,12 +137,14 @@ def _sides(
         errors: Takes the worst error of the hand in MSMA's runs [m].
         progress: Receives which system is measured.
         detailed: Measure the variants too.
+        with_page: Measure it with its page open too.
     """
 
-    def ours(*, every_state: bool = False) -> Measurement:
+    def ours(*, every_state: bool = False, page: bool = False) -> Measurement:
         period = "60 ms" if rate == 17 else f"{1e3 / rate:g} ms"
         name = f"robot=bench-loop-{rate}"
-        deployment = deployed(ARPH, name, f"period={period}", "plant.hold=240 ms")
+        more = PAGE if page else ()
+        deployment = deployed(ARPH, name, f"period={period}", "plant.hold=240 ms", *more)
         run = run_msma(deployment, seconds, every_state=every_state)
         errors.append(run.error)
         return run.measured
@@ -149,6 +169,8 @@ def _sides(
         sides[DECIDING] = lambda: run_plain(hertz, seconds, decides=True)
         sides[EVERY_STATE] = lambda: ours(every_state=True)
         sides[BUSY] = beside_busy_loops
+    if with_page:
+        sides[PAGE_OPEN] = lambda: ours(page=True)
     return {side: shown(side, measure) for side, measure in sides.items()}
 
 
@@ -189,6 +211,8 @@ def bars(found: Mapping[int, Runs]) -> list[Row]:
             _answered(1000, found[1000], 0.999),
             Row("1 kHz: p99 over that of plain Zenoh", "at most 1.5 x", text, slower.median <= 1.5),
         ]
+        if PAGE_OPEN in found[1000]:
+            rows.append(_with_page(found[1000]))
     if 500 in found:
         cores = {side: median(run.cores for run in runs) for side, runs in found[500].items()}
         text = _beside({side: f"{each:.2f} cores" for side, each in cores.items()})
@@ -205,6 +229,17 @@ def bars(found: Mapping[int, Runs]) -> list[Row]:
             Row("60 ms: memory of each process", "under 60 MB", size, pss < 60e6),
         ]
     return rows
+
+
+def _with_page(sides: Runs) -> Row:
+    """Return how much slower all is with a page open, by how much its runs differ without one."""
+    times = {side: [run.time("p99") for run in sides[side]] for side in (PAGE_OPEN, OURS)}
+    slower = ratio(times[PAGE_OPEN], times[OURS])
+    noise = max(times[OURS]) / min(times[OURS])
+    bar = max(noise, _NOISE)
+    text = f"{slower.text()}; without it the runs differ by {noise:.2f} x"
+    return Row("1 kHz, a page open: p99 over that without", "within noise", text,
+               slower.median <= bar)  # fmt: skip
 
 
 def _slower(sides: Runs, side: str) -> Ratio:

@@ -11,6 +11,8 @@ from bench.interleaving import ratio
 OURS, PLAIN, DECIDING = "msma", "plain Zenoh", "plain Zenoh that reads and decides"
 EVERY_STATE = "msma, deciding on every state"
 """MSMA without `Agent.rest`, to show what that saves."""
+PAGE_OPEN = "msma, with its page open"
+"""MSMA with the page by which a person drives, and a viewer who looks at it."""
 BUSY = "msma, other programs on all cores"
 """MSMA beside a busy loop on each core, so that no core is ever idle."""
 

@@ -5,8 +5,8 @@ from pathlib import Path
 
 from bench.ticks import Ticks
 from runtime.config.deployment import load
+from runtime.plant_node.plant_node import PlantNode
 from runtime.processes.meters import AnswerTimes
-from runtime.processes.plant_process import PlantNode
 from runtime.processes.process import Process
 from runtime.wire import topics
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from bench.echo.runner import Measurement, run
 from bench.machine import free_port
+from bench.ticks import PATIENCE
 from runtime.config.deployment import Deployment, load
 from runtime.config.overrides import Override
 from runtime.results.evaluation import SETTLING, errors
@@ -13,6 +14,10 @@ from runtime.results.run_log import read_run_log
 from runtime.wire import topics
 
 ROOT = Path(__file__).parents[1]
+PAGE = ("nodes.+={role: hmi, class: nodes.hmi.page:Page}", "start.mode=automatic")
+"""Overrides that add the page by which a person drives, to a robot that goes on as without it."""
+VIEWER = "viewer"
+"""The role of what looks at the page."""
 ARPH = ROOT / "deploy" / "arph.yaml"
 """The paper's mobile arm: a plant, a goal, six joints and a platform."""
 
@@ -31,16 +36,16 @@ class MsmaRun:
 
 
 def deployed(file: Path, *overrides: str) -> Deployment:
-    """Return a deployment on free ports, with overrides such as `period=1 ms`."""
+    """Return a deployment on free ports, as patient as the bench, with overrides: `period=1 ms`."""
     made = []
-    for text in (f"port={free_port()}", *overrides):
+    for text in (f"port={free_port()}", f"patience={PATIENCE:g} s", *overrides):
         path, _, value = text.partition("=")
         made.append(Override(f"--set {text}", path, value))
     return load(file, made)
 
 
 def run_msma(deployment: Deployment, seconds: float, *, every_state: bool = False) -> MsmaRun:
-    """Start all processes of a deployment, and measure.
+    """Start all processes of a deployment, and measure; its page, if it has one, is looked at.
 
     Args:
         deployment: The deployment.
@@ -59,6 +64,8 @@ def run_msma(deployment: Deployment, seconds: float, *, every_state: bool = Fals
                 commands[role] = ["bench.every_state_agent", str(file), role, name]
             elif role != topics.PLANT:
                 commands[role] = ["runtime.cli", "agent", str(file), role, "--run", name]
+        if deployment.has_page:
+            commands[VIEWER] = ["bench.page_viewer", name]
         measured = run(commands, seconds, errors=said)
         record = read_run_log(folder)
     assert deployment.goal is not None

@@ -14,6 +14,7 @@ from plant.plant import Commands, Contact, Plant, Readings, Setup, Truth
 from plant.ranges import RangeFinder
 from plant.robot import Array, Numbers, Robot, RobotError, numbers
 from plant.scene import Scene
+from plant.solids import Solid
 
 
 class KinematicPlant(Plant):
@@ -136,6 +137,10 @@ class KinematicPlant(Plant):
         position, rotation = self.arm().tip_of_one
         tip[:3, :3], tip[:3, 3] = np.reshape(rotation, (3, 3)), position
         grasp.step(tip, self.scene, self.period, self._effects.gripper_is_limp)
+
+    def solids(self) -> list[Solid]:
+        """Return the objects of the world where they are now."""
+        return [] if self.scene is None else self.scene.solids()
 
     def contacts(self) -> tuple[Contact, ...]:
         """Return what the platform has begun to touch since this was last called."""

@@ -5,13 +5,14 @@ from typing import Annotated, Literal
 import numpy as np
 
 from plant.effects import Effects, Sighting
-from plant.faults import Fault, FaultError
+from plant.faults import Fault
 from plant.kinematic import start_of
 from plant.kinematics import ArmPose, kinematics_of
 from plant.motion import State, step
 from plant.plant import Commands, Contact, Plant, Readings, Setup, Truth
 from plant.ranges import RangeFinder
 from plant.robot import RobotError, numbers
+from plant.solids import Solid
 
 try:
     import mujoco
@@ -78,7 +79,7 @@ class MujocoPlant(Plant):
         q, _, base, _ = start.numbers
         steps = setup.period / self._steps
         model = build(setup.robot, q, base, setup.world, steps, base_model == "wheels")
-        self._objects = model.objects
+        self._objects, self._fingers = model.objects, model.fingers
         self._model, self._data, self._base = model.model, model.data, model.base
         names = model.joints
         self._servos = Servos(
@@ -107,10 +108,8 @@ class MujocoPlant(Plant):
         return self._effects.faults
 
     def check_fault(self, fault: Fault) -> None:
-        """Raise `FaultError` for a fault that the robot has no part for, and for fingers."""
+        """Raise `FaultError` for a fault that the robot has no part for."""
         fault.check(self.robot)
-        if fault.part == "gripper":
-            raise FaultError(f"{fault}: this plant does not move the fingers")
 
     def inject(self, fault: Fault) -> None:
         """Let a fault begin now, or end with kind `ok`; raise `FaultError` like `check_fault`."""
@@ -136,9 +135,12 @@ class MujocoPlant(Plant):
         """Move for one period."""
         self._aim()
         model, data = self._model, self._data
-        hand = data.xpos[self._hand]
+        hand, fingers = data.xpos[self._hand], self._fingers
+        limp = self._effects.gripper_is_limp
         for number in range(1, self._steps + 1):
             self._servos.update(self._payload.mass, hand)
+            if fingers is not None:
+                fingers.update(limp)
             mujoco.mj_step(model, data)
             t = self._state.t + number * model.opt.timestep
             self._objects.move(t)
@@ -177,6 +179,8 @@ class MujocoPlant(Plant):
         if platform is not None and platform.kind == "locked" and not any(driven):
             self._base_brakes.hold()
         self._servos.run(np.array(speeds))
+        if self._fingers is not None and commands.gripper is not None:
+            self._fingers.write(commands.gripper)
         weak = platform is not None and platform.kind == "weak"
         self._base.drive(driven, (platform.value or 0.0) if platform and weak else 1.0)
 
@@ -185,12 +189,16 @@ class MujocoPlant(Plant):
 
         Noise is drawn at every call.
         """
-        readings = self._measured()
-        if self._ranges is None:
-            return readings
-        base, solids = self._state.numbers[2], self._objects.solids()
-        ranges = self._ranges.measure(readings.t, base, solids)
-        return readings._replace(sensors={"ranges": self._effects.on_ranges(ranges)})
+        readings, fingers = self._measured(), self._fingers
+        sensors: dict[str, object] = {}
+        if fingers is not None and fingers.is_commanded:
+            since = readings.t - self.period
+            sensors["gripper"] = fingers.read(self._contacts, self._objects.loose, since)
+        if self._ranges is not None:
+            base, solids = self._state.numbers[2], self._objects.solids()
+            ranges = self._ranges.measure(readings.t, base, solids)
+            sensors["ranges"] = self._effects.on_ranges(ranges)
+        return readings._replace(sensors=sensors) if sensors else readings
 
     def _measured(self) -> Readings:
         state, effects = self._state, self._effects
@@ -208,6 +216,10 @@ class MujocoPlant(Plant):
     def truth(self) -> Truth:
         """Return how the robot truly is."""
         return Truth(self._state.t, *self._state.numbers, *self._tip())
+
+    def solids(self) -> list[Solid]:
+        """Return the objects of the world where they are now."""
+        return self._objects.solids()
 
     def contacts(self) -> tuple[Contact, ...]:
         """Return the contacts that have ended since the last call; all, once it is closed."""

@@ -8,6 +8,7 @@ from typing import ClassVar, NamedTuple
 
 from plant.faults import Fault, FaultError
 from plant.robot import Robot, Row
+from plant.solids import Solid
 from plant.world import WorldObject
 
 
@@ -168,6 +169,10 @@ class Plant(ABC):
     def truth(self) -> Truth | None:
         """Return how the robot truly is; None, by default, if only sensors can say."""
         return None
+
+    def solids(self) -> Sequence[Solid]:
+        """Return the objects of the world where they are; none, by default, if it cannot tell."""
+        return ()
 
     def contacts(self) -> tuple[Contact, ...]:
         """Return the contacts since this was last called; none, by default, if it knows of none."""

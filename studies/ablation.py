@@ -58,7 +58,7 @@ TERMS = (
     _platform("what the drive makes of its commands is learned", "LEAST", 1.0),
     Term("the elbow keeps off straight", ("studies.cases.kind:BEND",), {}, joints=True),
     Term("a joint leaves its stop the long way", ("agents.stops:Stops.NOTICE",), np.inf, True),
-    Term("a joint moves by chance", ("agents.kick:PATIENCE",), (1e9, 1e9), True),
+    Term("a joint moves by chance", ("agents.kick:PATIENCE",), 1e9, True),
     Term("what is far on the level is left to the platform", ("agents.laws:NEAR",), 1e9),
 )
 """Every term that a constant turns off."""

@@ -9,8 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from studies.cases.drawn import drawn
-from studies.cases.kind import GOOD, Judgement, Kind, judged, play, team
-from studies.cases.listed import KINDS
+from studies.cases.kind import GOOD, PUSH, Judgement, Kind, judged, play, team
+from studies.cases.limits import turned_back, unforeseen
+from studies.cases.listed import EIGHT, KINDS
 from studies.cases.possible import SPARE, possible
 from studies.held_out import interval
 from studies.mobile_reach import Bools
@@ -24,6 +25,8 @@ FALSE = np.radians(20.0)
 """How far it may turn after one false goal [rad]."""
 FEW = 10
 """Kinds with no more cases are never thinned."""
+WITHIN = {"table": 0.0005, "circle": 0.005, "eight": 0.005}
+"""Largest errors of some kinds [m], of all others `GOOD`."""
 STRAIGHT = np.radians(15.0)
 """Least angle of the elbow from straight [rad]."""
 
@@ -54,8 +57,7 @@ class Bar(NamedTuple):
 
     def good(self, kind: Kind, found: Judgement) -> Bools:
         """Tell which of those cases went well."""
-        within = {"table": 0.0005, "circle": 0.005, "eight": 0.005}.get(self.kind, GOOD)
-        good = found.final <= within
+        good = found.final <= WITHIN.get(self.kind, GOOD)
         if kind.pushed is not None:
             good &= (kind.pushed != 0) | (found.turned < FALSE)
         if self.kind in ("all-round", "free"):
@@ -152,6 +154,19 @@ def _others(name: str, kind: Kind, found: Judgement) -> list[Row]:
             Row("least angle of the elbow from straight, Table 1", "at least 60 deg",
                 f"{np.degrees(found.elbow[0]):.0f} deg", bool(found.elbow[0] >= np.radians(60))),
         ]  # fmt: skip
+    if name == "eight":
+        side, over = (unforeseen(kind.robot, kind.locks[:, 0], EIGHT, way) for way in (False, True))
+        can = side <= WITHIN[name]
+        rows = [
+            Row("least error of any law that does not foresee the turn, by angle", "",
+                ", ".join(f"{1e3 * each:.0f}" for each in side) + " mm; with the arm folded over "
+                "first: " + ", ".join(f"{1e3 * each:.0f}" for each in over) + " mm"),
+            Row("go well of those that such a law can do without", "",
+                interval(int((found.final <= WITHIN[name])[can].sum()), int(can.sum()))),
+        ]  # fmt: skip
+    if kind.pushed is not None and kind.robot.drive is not None:
+        back = turned_back(kind.robot.drive, float(kind.pushed.max()), PUSH)
+        rows = [Row("a planner has the platform back after a push", "", f"in {back:.1f} s")]
     if name in ("directions", "goals"):
         rows = [Row(f"elbow below 15 deg, {kind.name}", "in at most 1", f"in {elbow}", elbow <= 1)]
     return [*rows, Row(f"how, {kind.name}", "", summary(found))]

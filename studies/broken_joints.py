@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from itertools import combinations
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from plant.faults import Fault
 from plant.robot import Robot
 from plant.urdf import load
 from studies.arm_batch import NEAR, ReachResult, reach
+from studies.baselines.fixed_step import FixedStepAgent
 from studies.planar_reach import Ring, anywhere, flat, grid, ring
 from studies.study import Claim, Findings, Progress, Row, Study, share
 
@@ -90,7 +91,7 @@ class BrokenJoints(Study[Found]):
         for degrees in (1.0, 5.0):
             progress.step(f"figure 6, fixed step of {degrees:g} deg", 1.0)
             fixed[degrees] = paper_case(
-                robot, goals[::3], "blackboard", law="fixed-step", step=np.radians(degrees)
+                robot, goals[::3], "blackboard", 300, make=FixedStepAgent, step=np.radians(degrees)
             )
         count = max(round(80 * size), 4)
         pairs = {p: ten_pairs(robot, p, count, progress) for p in PERCEPTIONS}
@@ -136,14 +137,16 @@ def locked(broken: tuple[int, ...]) -> tuple[Fault, ...]:
 
 
 def paper_case(
-    robot: Robot, goals: Array, perception: Perception, law: str = "line", step: float = 0.02
+    robot: Robot, goals: Array, perception: Perception, steps: int = STEPS, **agents: Any
 ) -> ReachResult:
-    """Move N arms with the paper's start and two broken joints to `goals` (N, 2) [m]."""
+    """Move N arms with the paper's start and two broken joints to `goals` (N, 2) [m].
+
+    `agents` are parameters of `ArmAgents`.
+    """
     start = np.broadcast_to(PAPER_START, (len(goals), robot.n))
-    steps = STEPS if law == "line" else 300
     return reach(
         robot, start, flat(goals), steps=steps, faults=locked(PAPER_BROKEN), enough=ENOUGH,
-        perception=perception, law=law, step=step,
+        perception=perception, **agents,
     )  # fmt: skip
 
 

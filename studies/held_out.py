@@ -10,7 +10,7 @@ from studies.cases.drawn import TUNING, drawn
 from studies.cases.kind import GOOD, Judgement, Kind, judged, play, team
 from studies.cases.possible import possible
 from studies.mobile_reach import Bools
-from studies.study import Claim, Findings, Progress, Row, Study, StudyError, share
+from studies.study import Claim, Findings, Progress, Row, Study, check_draw, share
 
 EACH, ALL = 0.90, 0.95
 """Bars on the share of the possible cases, of each kind and of all."""
@@ -55,10 +55,7 @@ class HeldOut(Study[HeldOutFound]):
         Raises:
             StudyError: There is nothing to draw.
         """
-        if seed < 0:
-            raise StudyError(f"--seed {seed}: must not be negative")
-        if cases < 1:
-            raise StudyError(f"--cases {cases}: must be at least 1")
+        check_draw(seed, cases)
         self._seed, self._cases = seed, cases
 
     def measure(self, size: float, progress: Progress) -> HeldOutFound:

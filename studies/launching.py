@@ -23,6 +23,12 @@ class LaunchFailedError(MsmaError, RuntimeError):
     """A launch without a run; the message is that of the launcher."""
 
 
+def environment() -> dict[str, str]:
+    """Return the environment of a process that is to run this code, in whatever folder."""
+    path = os.pathsep.join(part for part in (str(ROOT), os.environ.get("PYTHONPATH")) if part)
+    return {**os.environ, "PYTHONPATH": path}
+
+
 @contextmanager
 def launched(deployment: Path, robot: str, options: Sequence[str]) -> Iterator[Path]:
     """Launch a deployment, wait for the end of its run, and remove all files after the block.
@@ -40,11 +46,10 @@ def launched(deployment: Path, robot: str, options: Sequence[str]) -> Iterator[P
     """
     with tempfile.TemporaryDirectory() as folder:
         command = ["launch", str(deployment), "--robot", robot, *options]
-        path = os.pathsep.join(part for part in (str(ROOT), os.environ.get("PYTHONPATH")) if part)
         done = subprocess.run(
             [sys.executable, "-c", MAIN, *command],
             cwd=folder,
-            env={**os.environ, "PYTHONPATH": path},
+            env=environment(),
             capture_output=True,
             text=True,
             timeout=TIMEOUT,

@@ -36,7 +36,7 @@ from studies.cases.posed import (
     team,
 )
 from studies.held_out import interval
-from studies.study import Claim, Findings, Progress, Row, Study, StudyError, share
+from studies.study import Claim, Findings, Progress, Row, Study, check_draw, share
 
 COUNT = 200
 """Arms of each robot and task, and moving poses."""
@@ -87,8 +87,7 @@ class Poses(Study[PosesFound]):
         Raises:
             StudyError: It is negative.
         """
-        if seed < 0:
-            raise StudyError(f"--seed {seed}: must not be negative")
+        check_draw(seed)
         self._seed = seed
 
     def measure(self, size: float, progress: Progress) -> PosesFound:

@@ -24,7 +24,11 @@ STUDIES = {
     "poses": "studies.poses:Poses",
     "ablation": "studies.ablation:Ablation",
     "physics": "studies.physics:Physics",
+    "obstacles": "studies.obstacles:Obstacles",
+    "fetch": "studies.fetch:Fetch",
+    "shared-mode": "studies.shared_mode:SharedMode",
     "mobile-live": "studies.mobile_live:MobileLive",
+    "buttons": "studies.buttons:Buttons",
 }
 """`module:Class` by name, in the order of the paper."""
 

@@ -14,6 +14,14 @@ class StudyError(MsmaError, ValueError):
     """A study that cannot run as asked; the message says why and what is valid."""
 
 
+def check_draw(seed: int, cases: int = 1) -> None:
+    """Raise `StudyError` unless so many cases can be drawn from a seed."""
+    if seed < 0:
+        raise StudyError(f"--seed {seed}: must not be negative")
+    if cases < 1:
+        raise StudyError(f"--cases {cases}: must be at least 1")
+
+
 @dataclass(frozen=True)
 class Row:
     """One line of a study's table.

@@ -31,9 +31,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--seed",
         type=int,
-        help="of held-out and poses: seed of their cases; 0 to 9 are for tuning (100)",
+        help="of studies with drawn cases: the seed of these; 0 to 9 are for tuning (100)",
     )
-    parser.add_argument("--cases", type=int, help="of held-out: cases of each kind (16)")
+    parser.add_argument(
+        "--cases", type=int, help="of held-out and shared-mode: cases of each kind (16)"
+    )
 
 
 def run(args: argparse.Namespace) -> int:

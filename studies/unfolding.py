@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
 
 import numpy as np
 
@@ -33,8 +32,6 @@ STEP = float(np.radians(5.0))
 """Largest turn of a joint in a step, with either method [rad]."""
 NEAR = 0.005
 """Distance to the goal at which a motion ends [m]."""
-LAW: Final = "line"
-"""Law of MSMA's joints."""
 FOLDED = np.radians([90.0, -150.0, 145.0, -140.0, 135.0])
 STRETCHED = np.radians([70.0, 12.0, -10.0, 12.0, -8.0])
 FAR, CLOSE = np.array([0.75, 0.5]), np.array([0.3, 0.12])
@@ -54,7 +51,7 @@ class Unfold(Study[Found]):
     """From folded to stretched."""
 
     name = "unfold"
-    title = f"Unfolding a five-joint arm with MSMA ({LAW}) and with MD (figure 4)"
+    title = "Unfolding a five-joint arm with MSMA and with MD (figure 4)"
     start, goal, folding = FOLDED, FAR, False
 
     def measure(self, size: float, progress: Progress) -> Found:
@@ -138,7 +135,7 @@ class Fold(Unfold):
     """From stretched to folded."""
 
     name = "fold"
-    title = f"Folding a five-joint arm with MSMA ({LAW}) and with MD (figure 5)"
+    title = "Folding a five-joint arm with MSMA and with MD (figure 5)"
     start, goal, folding = STRETCHED, CLOSE, True
 
     def _claims(
@@ -190,11 +187,7 @@ def both(q: Array, goal: Array) -> list[tuple[Motion, Motion]]:
     """Move arms at q (B, 5) [rad] to goals (B, 2) [m] with MSMA and with MD."""
     robot = load("planar5")
     agents: dict[str, Agent] = {
-        f"joint/{i + 1}": JointAgent(
-            Body(robot, i, PERIOD, i),
-            law=LAW,
-            perception="blackboard",
-        )
+        f"joint/{i + 1}": JointAgent(Body(robot, i, PERIOD, i), perception="blackboard")
         for i in range(robot.n)
     }
     position = flat(goal)

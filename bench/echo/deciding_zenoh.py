@@ -21,9 +21,8 @@ from runtime.wire.messages import (
     Message,
     PlatformCommand,
     PlatformPose,
-    pack,
-    unpack,
 )
+from runtime.wire.packing import pack, unpack
 from runtime.wire.topics import PLANT
 
 _RECORDED = 200  # ticks

@@ -18,11 +18,11 @@ from bench.ticks import Beat, Ticks
 AGENTS = (*(f"joint/{number}" for number in range(1, 7)), "platform")
 ROLES = ("plant", "goal", *AGENTS)
 PLATFORM_POSE, EE_POSE, JOINT_STATES = "platform/pose", "arm/ee_pose", "arm/joint_states"
-STATES = {PLATFORM_POSE: 68, EE_POSE: 115, JOINT_STATES: 157}
+STATES = {PLATFORM_POSE: 86, EE_POSE: 131, JOINT_STATES: 178}
 """The keys of the plant's state, in the order of publication, and their sizes [bytes]."""
-GOAL, GOAL_SIZE = "goal", 132
+GOAL, GOAL_SIZE = "goal", 141
 GOAL_EVERY = 0.01  # [s] least time between two goals
-JOINT_COMMAND_SIZE, PLATFORM_COMMAND_SIZE = 47, 62
+JOINT_COMMAND_SIZE, PLATFORM_COMMAND_SIZE = 67, 79
 
 _NUMBER = struct.Struct("<Q")
 

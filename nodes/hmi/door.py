@@ -13,7 +13,7 @@ from websockets.exceptions import ConnectionClosed
 from websockets.http11 import Request, Response
 
 from nodes.hmi.doorkeeper import Doorkeeper, Entry, Reply
-from nodes.hmi.protocol import LARGEST, Role
+from nodes.hmi.protocol.values import LARGEST, Role
 
 _MOST_VIEWERS = 16
 _ALIVE = 10.0  # [s] after which a browser that does not answer at all is gone

@@ -16,7 +16,7 @@ from typing import NamedTuple
 from urllib.parse import parse_qs, urlsplit
 
 from nodes.hmi.address import Address
-from nodes.hmi.protocol import Role
+from nodes.hmi.protocol.values import Role
 
 SOCKET = "/socket"
 _TYPES = {".js": "text/javascript", ".mjs": "text/javascript", ".stl": "model/stl"}

@@ -12,7 +12,6 @@ from nodes.hmi.drivers import Change, Drivers
 from nodes.hmi.gripping import WantedGrip, fits_gripper, grip_speed
 from nodes.hmi.jogging import (
     GoalPiece,
-    LedGoal,
     Motion,
     PartSpeeds,
     Place,
@@ -27,8 +26,11 @@ from nodes.hmi.jogging import (
     target_pose,
     way_between,
 )
+from nodes.hmi.leading import LedGoal
 from nodes.hmi.presses import End, Pictures, Press, Presses, Situation
-from nodes.hmi.protocol import Ended, Jog, Limits, Pose, Said, Times
+from nodes.hmi.protocol.incoming import Jog
+from nodes.hmi.protocol.outgoing import Ended, Said
+from nodes.hmi.protocol.values import Limits, Pose, Times
 from nodes.hmi.seen import Seen, pose_of
 from plant.robot import Robot
 

@@ -3,7 +3,7 @@
 import math
 
 from nodes.hmi.jogging import STEP_TIME, UNSEEN
-from nodes.hmi.protocol import Jog
+from nodes.hmi.protocol.incoming import Jog
 from plant.robot import Gripper, Robot
 from runtime.wire.messages import GripperState
 

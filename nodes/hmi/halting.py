@@ -1,15 +1,17 @@
 """STOP: asked of the robot until the robot confirms it."""
 
 import asyncio
+from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Executor
 from time import monotonic
 
 from msgspec import Struct
 
-from nodes.hmi.protocol import Halted
+from nodes.hmi.protocol.outgoing import Halted
 
 _AGAIN = 0.05  # [s] before the robot is asked again
+_KEPT = 64  # stops that were confirmed and are known: of more browsers than there can be
 
 
 class Halting:
@@ -35,10 +37,17 @@ class Halting:
         self._failed = failed
         self._waiting: dict[tuple[int, int], float] = {}  # since when, by viewer and id
         self._late: set[tuple[int, int]] = set()
+        self._confirmed = deque[tuple[int, int]](maxlen=_KEPT)
         self._task: asyncio.Task[None] | None = None
 
     def halt(self, viewer: int, id_: int) -> None:
-        """Begin to ask, unless the same was asked for already."""
+        """Begin to ask, unless the same was asked for already.
+
+        A browser sends a stop again until it hears the answer. What it sent in the meantime is no
+        new stop, and would halt a robot that somebody has released since.
+        """
+        if (viewer, id_) in self._confirmed:
+            return
         self._waiting.setdefault((viewer, id_), monotonic())
         if self._task is None or self._task.done():
             self._task = asyncio.ensure_future(self._go_on(f"viewer {viewer} of the page"))
@@ -69,6 +78,7 @@ class Halting:
             for viewer, id_ in asked & self._waiting.keys() if confirmed else ():
                 since = self._waiting.pop((viewer, id_))
                 self._late.discard((viewer, id_))
+                self._confirmed.append((viewer, id_))
                 self._post(viewer, Halted(id_, True, now - since))
             if self._waiting:
                 await asyncio.sleep(_AGAIN)

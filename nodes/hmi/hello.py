@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from nodes.hmi.protocol import JointInfo, Limits, MovingFrame, Pose, Solid
+from nodes.hmi.protocol.shape import JointInfo, MovingFrame, Solid
+from nodes.hmi.protocol.values import Limits, Pose
 from plant.faults import fault_texts
 from plant.kinematics import quaternion
 from plant.robot import Array, Robot, Shape

@@ -25,29 +25,13 @@ from nodes.hmi.hello import (
     shapes_of,
 )
 from nodes.hmi.places import SavedPlaces, places_file
-from nodes.hmi.protocol import (
-    VERSION,
-    Gate,
-    Halt,
-    Hello,
-    Incoming,
-    Jog,
-    LetGo,
-    Painted,
-    Pose,
-    Processes,
-    Role,
-    Said,
-    State,
-    Takeover,
-    Times,
-    Yield,
-    You,
-)
+from nodes.hmi.protocol.incoming import Halt, Incoming, Jog, LetGo, Painted, Takeover, Yield
+from nodes.hmi.protocol.outgoing import Gate, Hello, Processes, Said, State, You
+from nodes.hmi.protocol.values import VERSION, Role, Times
 from nodes.hmi.record import ProcessTable, Record
 from nodes.hmi.requests import Requests, tasks_of
 from nodes.hmi.robot_link import RobotLink
-from nodes.hmi.seen import Seen
+from nodes.hmi.seen import Seen, rounded
 from nodes.hmi.seen import pose_of as pose_of_hand
 from nodes.hmi.viewers import Viewer
 from runtime.config.deployment import Deployment
@@ -67,7 +51,6 @@ class Hub:
 
     Args:
         context: What the process of the node has.
-        deployment: The robot and its processes.
         language: Of the page.
         halts: With a thread for stopping alone.
         requests: With threads for other questions to the robot.
@@ -76,11 +59,11 @@ class Hub:
     def __init__(
         self,
         context: Context,
-        deployment: Deployment,
         language: str,
         halts: Executor,
         requests: Executor,
     ) -> None:
+        deployment: Deployment = context.deployment
         self._context, self._deployment, self._language = context, deployment, language
         self._viewers: dict[int, Viewer] = {}
         self._tasks = set[asyncio.Task[None]]()
@@ -99,7 +82,6 @@ class Hub:
         self._halting = Halting(self._link.halt, self._post, halts, TIMES.confirm, self._refuse)
         self._requests = Requests(
             context,
-            deployment,
             self._link,
             self._driving,
             self._halting,
@@ -166,13 +148,14 @@ class Hub:
             round(seen.age, 3),
             tuple(None if one is None else round(one, 5) for one in seen.place.q),
             tuple(round(one, 5) for one in seen.place.base) if seen.base_known else None,
-            None if hand is None else _rounded(pose_of_hand(hand)),
-            None if seen.goal is None else _rounded(seen.goal),
+            None if hand is None else rounded(pose_of_hand(hand)),
+            None if seen.goal is None else rounded(seen.goal),
             None if seen.error is None else round(seen.error, 5),
             gate,
             drivers.driver,
             drivers.asking,
             len(self._viewers),
+            seen.things,
         )
 
     def _show_you(self, viewer: Viewer, now: float) -> None:
@@ -281,10 +264,3 @@ class Hub:
             of.roles,
             tuple(self._record.lines),
         )
-
-
-def _rounded(pose: Pose) -> Pose:
-    """Return a pose to a hundredth of a millimetre, as much as anybody sees."""
-    turn = pose.orientation
-    position = tuple(round(one, 5) for one in pose.position)
-    return Pose(position, None if turn is None else tuple(round(one, 5) for one in turn))

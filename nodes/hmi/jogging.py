@@ -9,24 +9,17 @@ from typing import NamedTuple
 import numpy as np
 
 from agents.agent import Array
-from agents.attitude import product, rotation_by, turn_between, unit
-from nodes.hmi.protocol import Frame, Jog, Target
+from agents.attitude import turn_between, unit
+from nodes.hmi.protocol.incoming import Jog, Target
+from nodes.hmi.protocol.values import Frame
 from plant.robot import Robot
 
-LEASH = 0.06
-"""How far the goal may be ahead of the hand [m]: about what an arm lags behind at its speed limit.
-
-So a hand that is held up does not catch up with a goal that went on without it.
-"""
-LEASH_TURN = 0.3
-"""The same for its orientation [rad]: `LEASH` at the end of a grip of 0.2 m."""
 REACHED, REACHED_TURN = 0.003, 0.02
 """So close to where a bounded step leads it has arrived [m, rad]."""
 STEP_TIME = 0.5
 """In no less a bounded step of a part goes its way [s], so that it can be ended in time."""
 UNSEEN = 0.1
 """[s] that a part moves on until it is seen and rests, at the paper's control period."""
-_KEEPS_UP = 0.7  # of the leash behind: so much lags a sound hand at its speed limit
 _ARRIVES = 0.3  # [s] in no less the goal comes to its target: longer than it goes on by itself
 
 
@@ -116,7 +109,7 @@ def hand_motion(jog: Jog, axes: Array, limit: float, turn: float) -> Motion:
     """
     shares = np.zeros(6)
     shares[: len(jog.speeds)] = jog.speeds
-    linear, angular = _within(shares[:3], 1.0), _within(shares[3:], 1.0)
+    linear, angular = within(shares[:3], 1.0), within(shares[3:], 1.0)
     return Motion(limit * linear @ axes, turn * angular @ axes)
 
 
@@ -152,98 +145,10 @@ def motion_to(to: Hand, goal: Hand, limit: float, turn: float) -> Motion:
     return Motion(way / takes, turning / takes)
 
 
-def _within(vector: Array, most: float) -> Array:
+def within(vector: Array, most: float) -> Array:
     """Return a vector, shortened to a length of `most`."""
     length = float(np.linalg.norm(vector))
     return vector if length <= most else vector * (most / length)
-
-
-def _leashed(ahead: Array, velocity: Array) -> Array:
-    """Return where a goal that moves may be, seen from the hand: no further than the leash.
-
-    It waits on its line, or the hand of a robot that cannot follow well would draw it off; only
-    where the line itself is further away it is drawn to the hand.
-    """
-    if float(np.linalg.norm(ahead)) <= LEASH:
-        return ahead
-    speed = float(np.linalg.norm(velocity))
-    if not speed > 0.0:
-        return _within(ahead, LEASH)
-    direction = velocity / speed
-    along = float(ahead @ direction)
-    aside = ahead - along * direction
-    left = LEASH**2 - float(aside @ aside)
-    if left <= 0.0:
-        return _within(ahead, LEASH)
-    most = math.sqrt(left)
-    result: Array = aside + min(max(along, -most), most) * direction
-    return result
-
-
-class LedGoal:
-    """The goal of one press in shared mode: it begins where the hand is, and runs ahead of it.
-
-    Args:
-        hand: Where the hand is when the button is pressed.
-        now: When that is [s].
-        lease: For how long the goal moves on by itself [s].
-        step: Where a bounded step ends [m, or rad if it only turns]; None without a bound.
-    """
-
-    def __init__(self, hand: Hand, now: float, lease: float, step: float | None = None) -> None:
-        self._start = self._goal = hand
-        self._last, self._lease, self._step = now, lease, step
-        self._motion = Motion(np.zeros(3), np.zeros(3))
-
-    def advance(self, motion: Motion, hand: Hand, now: float) -> GoalPiece:
-        """Return the goal `now` [s], which from now on is to move like that.
-
-        It has gone on as it was to, but no longer than the lease, and no further from the hand
-        than the leash. A hand that does not keep up is asked for less and less of the turn: a robot
-        with broken joints cannot always do both, and is to go where it was sent first.
-        """
-        passed = min(max(now - self._last, 0.0), self._lease)
-        before, self._last, self._motion = self._motion, now, motion
-        passed = min(passed, self._left(before))
-        ahead = self._goal.position + before.linear * passed - hand.position
-        turned = product(rotation_by(before.angular * passed), self._goal.orientation)
-        off = _within(turn_between(hand.orientation, turned), LEASH_TURN)
-        orientation = product(rotation_by(off), hand.orientation)
-        self._goal = Hand(
-            hand.position + _leashed(ahead, before.linear),
-            orientation / np.linalg.norm(orientation),
-        )
-        behind = float(np.linalg.norm(self._goal.position - hand.position)) / LEASH
-        eased = off * min(max((1.0 - behind) / (1.0 - _KEEPS_UP), 0.0), 1.0)
-        shown = Hand(self._goal.position, product(rotation_by(eased), hand.orientation))
-        lasts = min(self._lease, self._left(motion))
-        if lasts <= 0.0:
-            motion = Motion(np.zeros(3), np.zeros(3))
-        return GoalPiece(shown, motion, lasts)
-
-    @property
-    def pose(self) -> Hand:
-        """Where the goal was when it was advanced last."""
-        return self._goal
-
-    def arrived(self, hand: Hand) -> bool:
-        """Tell whether a bounded step is over: the goal at its end, and the hand at the goal."""
-        if self._step is None or self._left(self._motion) > 0.0:
-            return False
-        return is_at(hand, self._goal)
-
-    def _left(self, motion: Motion) -> float:
-        """Return for how long a motion may go on before a bounded step is done [s]."""
-        if self._step is None:
-            return math.inf
-        speed = float(np.linalg.norm(motion.linear))
-        gone = float(np.linalg.norm(self._goal.position - self._start.position))
-        if speed == 0.0:
-            speed = float(np.linalg.norm(motion.angular))
-            turn = turn_between(self._start.orientation, self._goal.orientation)
-            gone = float(np.linalg.norm(turn))
-        left = self._step - gone
-        return max(left, 0.0) / speed if speed and left > 1e-9 else 0.0
 
 
 def is_at(hand: Hand, goal: Hand) -> bool:

@@ -39,7 +39,7 @@ def tls_context(certificate: Path | None, key: Path | None) -> ssl.SSLContext | 
         return None
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
     try:
-        context.load_cert_chain(certificate, key)
+        context.load_cert_chain(certificate, key, password="")  # or it would ask for one
     except (OSError, ssl.SSLError) as error:
         raise DoorError(f"certificate: {certificate} with {key} cannot be used: {error}") from None
     return context

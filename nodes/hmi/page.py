@@ -18,7 +18,6 @@ from nodes.hmi.listening import LOOPBACK, DoorError, check_listen, tls_context
 from runtime.config.kinds import Whole
 from runtime.processes.node import Context, Node
 from runtime.wire.mesh import ALL_BASES
-from runtime.wire.topics import PLANT
 
 if TYPE_CHECKING:
     from nodes.hmi.hub import Hub
@@ -69,22 +68,20 @@ class Page(Node):
 
     async def _serve(self, context: Context) -> None:
         from nodes.hmi.hub import Hub  # with websockets, which `msma validate` does not need
-        from runtime.config.deployment import load
 
         with (
             ThreadPoolExecutor(1, "halt") as halts,
             ThreadPoolExecutor(4, "request") as requests,
         ):
-            deployment = load(context.run / "deployment.yaml", only_role=PLANT)
-            hub = Hub(context, deployment, self._language, halts, requests)
-            address = await self._open(context, hub, deployment.port)
+            hub = Hub(context, self._language, halts, requests)
+            address = await self._open(context, hub)
             self.state = f"page at {address.origin}"
             try:
                 await self._go_on(context, hub)
             finally:
                 await hub.close()
 
-    async def _open(self, context: Context, hub: "Hub", base: int) -> Address:
+    async def _open(self, context: Context, hub: "Hub") -> Address:
         """Listen at the port that was asked for, or else at its own or any that is free."""
         before = find_address(context.run)
         if self._port is not None:
@@ -92,7 +89,7 @@ class Page(Node):
         elif before is not None:
             ports = [before.port]
         else:
-            ports = [own_port(base), *_SHARED]
+            ports = [own_port(context.deployment.port), *_SHARED]
         until = time.monotonic() + (_TAKEN if before is not None else 0.0)
         while True:
             for port in ports:

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import msgspec
 
-from nodes.hmi.protocol import Name, Pose, Target
+from nodes.hmi.protocol.incoming import Target
+from nodes.hmi.protocol.values import Name, Pose
 from plant.errors import MsmaError
 
 _MOST = 64

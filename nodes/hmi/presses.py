@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from nodes.hmi.drivers import Drivers
-from nodes.hmi.protocol import Jog, Mode, Times
+from nodes.hmi.protocol.incoming import Jog
+from nodes.hmi.protocol.values import Mode, Times
 
 
 class Situation(NamedTuple):

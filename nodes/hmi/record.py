@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Mapping
 
 from msgspec import Struct
 
-from nodes.hmi.protocol import Happened, Happening, ProcessInfo
+from nodes.hmi.protocol.outgoing import Happened, Happening, ProcessInfo
 from runtime.processes.log_writer import LogWriter
 from runtime.watching.roster import Row
 from runtime.wire.operator_messages import OperatorState

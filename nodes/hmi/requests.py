@@ -12,14 +12,11 @@ from nodes.hmi.engineering import ActError, act
 from nodes.hmi.engineering import fault as inject
 from nodes.hmi.halting import Halting
 from nodes.hmi.places import PlacesError, SavedPlaces
-from nodes.hmi.protocol import (
+from nodes.hmi.protocol.incoming import (
     Act,
-    Done,
     Forget,
     Go,
     InjectFault,
-    Places,
-    Pose,
     Release,
     Request,
     Save,
@@ -28,13 +25,16 @@ from nodes.hmi.protocol import (
     SetMode,
     Task,
 )
+from nodes.hmi.protocol.outgoing import Done, Places
+from nodes.hmi.protocol.values import Pose
 from nodes.hmi.record import Record
-from nodes.hmi.robot_link import RequestError, RobotLink
+from nodes.hmi.robot_link import RobotLink
 from nodes.hmi.seen import pose_of
 from nodes.hmi.viewers import Viewer
 from runtime.config.deployment import Deployment
+from runtime.errors import RunError
 from runtime.processes.node import Context
-from runtime.wire import topics
+from runtime.wire.bus import BusError
 
 _MOST = 4  # requests of one viewer that are carried out at the same time
 
@@ -52,7 +52,6 @@ class Requests:
 
     Args:
         context: What the process of the node has.
-        deployment: The robot and its processes.
         link: To the robot.
         driving: Who drives, and what is seen.
         halting: Which halts are under way.
@@ -65,7 +64,6 @@ class Requests:
     def __init__(
         self,
         context: Context,
-        deployment: Deployment,
         link: RobotLink,
         driving: Driving,
         halting: Halting,
@@ -74,7 +72,8 @@ class Requests:
         post: Callable[[int | None, Any], None],
         executor: Executor,
     ) -> None:
-        self._context, self._deployment = context, deployment
+        self._context = context
+        self._deployment: Deployment = context.deployment
         self._link, self._driving = link, driving
         self._halting, self._places, self._record = halting, places, record
         self._post, self._executor = post, executor
@@ -91,7 +90,7 @@ class Requests:
             await self._do(viewer, request)
         except Refused as refused:
             self._post(number, Done(request.id, False, refused.key, refused.params))
-        except (RequestError, ActError) as error:
+        except (RunError, BusError, ActError) as error:
             self._post(number, Done(request.id, False, "refused.robot", {"why": str(error)}))
         except PlacesError as error:
             self._post(number, Done(request.id, False, "refused.places", {"why": str(error)}))
@@ -116,10 +115,10 @@ class Requests:
                 operator = self._link.look(monotonic()).operator
                 if operator is None:
                     raise Refused("refused.plant")
-                await self._ask(topics.MODE, f"{operator.mode} {limit:.4f}")
+                await self._in_thread(self._link.choose, operator.mode, limit)
             case Release():
                 self._halting.withdraw()
-                await self._ask(topics.RELEASE, f"viewer {viewer.number} of the page")
+                await self._in_thread(self._link.end_halt)
             case SetGoal(position=position, orientation=orientation):
                 self._set_goal(viewer, Pose(position, orientation))
             case Go(place=place):
@@ -156,7 +155,7 @@ class Requests:
         driving.rest("mode", monotonic())
         if mode == "automatic" and not tasks_of(self._deployment) and driving.seen.hand is not None:
             self._link.stand(pose_of(driving.seen.hand), driving.seen.t)
-        await self._ask(topics.MODE, mode)
+        await self._in_thread(self._link.choose, mode)
 
     def _set_goal(self, viewer: Viewer, pose: Pose) -> None:
         """Make a pose the goal for as long as the robot is in automatic mode."""
@@ -188,9 +187,6 @@ class Requests:
 
     def _note(self, key: str, **params: str | float | int) -> None:
         self._record.note(self._driving.seen.t, key, **params)
-
-    async def _ask(self, key: str, text: str) -> None:
-        await self._in_thread(self._link.ask, key, text)
 
     async def _in_thread(self, what: Callable[..., None], *more: object) -> None:
         await asyncio.get_running_loop().run_in_executor(self._executor, what, *more)

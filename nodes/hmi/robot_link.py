@@ -8,34 +8,32 @@ import numpy as np
 
 from nodes.hmi.jogging import GoalPiece, Motion, PartSpeeds, Place
 from nodes.hmi.presses import Press
-from nodes.hmi.protocol import Pose
-from nodes.hmi.seen import Seen, hand_of
-from plant.errors import MsmaError
+from nodes.hmi.protocol.shape import Thing
+from nodes.hmi.protocol.values import Pose
+from nodes.hmi.seen import Seen, hand_of, things_of
+from runtime.errors import NotConfirmed
 from runtime.processes.node import Context
 from runtime.processes.plant_clock import BusClock
+from runtime.watching.control import Control
 from runtime.watching.watcher import ProcessWatcher, goal_at
 from runtime.wire import topics
 from runtime.wire.arbitration import GoalInput, TopicInput
-from runtime.wire.bus import BusError
 from runtime.wire.messages import (
     EndEffectorPose,
     GoalMessage,
     GripperState,
     PlatformPose,
-    unpack_valid,
 )
 from runtime.wire.operator_messages import JogMessage, OperatorState
 from runtime.wire.samples import Sample
+from runtime.wire.world_message import WorldMessage
 
 FRESH = 0.5
 """Age from which on what the plant says counts as gone [s]: ten of its messages."""
 _AT_ONCE = 8
 _GOAL_FRESH = 0.5  # [s]
+_CHANGES = 1.0  # [s] for the plant to say that it has changed its gate
 _REST = Motion(np.zeros(3), np.zeros(3))
-
-
-class RequestError(MsmaError, RuntimeError):
-    """The robot did not do what it was asked for: it says why."""
 
 
 class RobotLink:
@@ -61,12 +59,16 @@ class RobotLink:
         self._base = TopicInput(topics.PLATFORM, PlatformPose, FRESH, refusals)
         self._operator = TopicInput(topics.OPERATOR_STATE, OperatorState, FRESH, refusals)
         self._gripper = TopicInput(topics.GRIPPER, GripperState, FRESH, refusals)
+        self._world = TopicInput(topics.WORLD, WorldMessage, FRESH, refusals)
+        self._things: tuple[WorldMessage, tuple[Thing, ...]] | None = None  # of the last message
         self._goal = GoalInput(_GOAL_FRESH, refusals)
         inputs: list[TopicInput[Any]] = [self._hand, self._base, self._operator, self._gripper]
+        inputs += [self._world]
         inputs += self._goal.inputs.values()
         self._inputs = [(bus.ring(each.key, _AT_ONCE), each) for each in inputs]
         self._jog_out = bus.publisher(topics.JOG)
         self._goal_out = bus.publisher(topics.GOAL)
+        self._control = Control(bus)
         self._answered: OperatorState | None = None  # what the plant answered last
         self.processes = ProcessWatcher(bus)
 
@@ -96,7 +98,17 @@ class RobotLink:
         if operator is not None and answered is not None and answered.t > operator.t:
             operator = answered  # what is published may be on its way still
         gripper = self._gripper.fresh(now)
-        return Seen(t, age, place, known, hand, goal, error, operator, gripper)
+        things = self._seen_things(now)
+        return Seen(t, age, place, known, hand, goal, error, operator, gripper, things)
+
+    def _seen_things(self, now: float) -> tuple[Thing, ...]:
+        """Return the objects around the robot; made anew only by the next message."""
+        world = self._world.fresh(now)
+        if world is None:
+            return ()
+        if self._things is None or self._things[0] is not world:
+            self._things = world, things_of(world)
+        return self._things[1]
 
     def jog(self, press: Press, t: float, speeds: PartSpeeds, motion: Motion = _REST) -> None:
         """Publish that a press is held, in answer to a state of plant time `t` [s]."""
@@ -136,24 +148,16 @@ class RobotLink:
 
     def halt(self, by: str, timeout: float) -> bool:
         """Ask the robot to stop; return whether it has said within `timeout` [s] that it is."""
-        for answer in self._bus.answers(topics.HALT, by.encode(), timeout):
-            state = unpack_valid(OperatorState, answer.data) if answer.agreed else None
-            if state is not None and state.halted:
-                self._answered = state
-                return True
-        return False
-
-    def ask(self, key: str, text: str, timeout: float = 1.0) -> None:
-        """Ask the plant to change its gate, and wait until it has.
-
-        `RequestError` if it does not agree, or is not there.
-        """
         try:
-            answer = next(self._bus.answers(key, text.encode(), timeout), None)
-        except BusError as error:
-            raise RequestError(str(error)) from None
-        if answer is None:
-            raise RequestError("the robot does not answer")
-        if not answer.agreed:
-            raise RequestError(answer.data.decode(errors="replace")[:200])
-        self._answered = unpack_valid(OperatorState, answer.data)
+            self._answered = self._control.halt(by, timeout).state
+        except NotConfirmed:
+            return False
+        return self._answered.halted
+
+    def end_halt(self) -> None:
+        """Release the robot, which rests; `RunError` if its plant does not say that it has."""
+        self._answered = self._control.release(_CHANGES).state
+
+    def choose(self, mode: str, limit: float | None = None) -> None:
+        """Choose the mode, and perhaps a limit of speed [m/s]; `RunError` if that is refused."""
+        self._answered = self._control.mode(mode, limit, _CHANGES).state

@@ -5,9 +5,11 @@ from typing import NamedTuple
 import numpy as np
 
 from nodes.hmi.jogging import Hand, Place
-from nodes.hmi.protocol import Pose
+from nodes.hmi.protocol.shape import Thing
+from nodes.hmi.protocol.values import Pose
 from runtime.wire.messages import GripperState
 from runtime.wire.operator_messages import OperatorState
+from runtime.wire.world_message import WorldMessage
 
 
 class Seen(NamedTuple):
@@ -23,6 +25,7 @@ class Seen(NamedTuple):
         error: From the hand to the goal [m].
         operator: What the plant says of its gate; None if nothing, or not lately.
         gripper: What the gripper measures of itself; None if nothing, or not lately.
+        things: Where the objects around it are; none if nothing is heard of them.
     """
 
     t: float
@@ -34,6 +37,7 @@ class Seen(NamedTuple):
     error: float | None
     operator: OperatorState | None
     gripper: GripperState | None = None
+    things: tuple[Thing, ...] = ()
 
 
 def pose_of(hand: Hand) -> Pose:
@@ -44,3 +48,18 @@ def pose_of(hand: Hand) -> Pose:
 def hand_of(position: tuple[float, ...], orientation: tuple[float, ...]) -> Hand:
     """Return a pose as arrays."""
     return Hand(np.array(position), np.array(orientation))
+
+
+def things_of(world: WorldMessage) -> tuple[Thing, ...]:
+    """Return the objects of the world as they travel."""
+    return tuple(
+        Thing(each.name, each.kind, each.size, rounded(Pose(each.position, each.orientation)))
+        for each in world.objects
+    )
+
+
+def rounded(pose: Pose) -> Pose:
+    """Return a pose to a hundredth of a millimetre, as much as anybody sees."""
+    turn = pose.orientation
+    position = tuple(round(one, 5) for one in pose.position)
+    return Pose(position, None if turn is None else tuple(round(one, 5) for one in turn))

@@ -5,7 +5,7 @@ from collections import deque
 from contextlib import suppress
 from typing import Protocol
 
-from nodes.hmi.protocol import Role
+from nodes.hmi.protocol.values import Role
 
 _WINDOW = 10  # states that a browser may leave unanswered: half a second's worth
 _PROBE = 1.0  # [s] from one state to the next for a browser that does not answer

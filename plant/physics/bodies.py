@@ -7,7 +7,7 @@ import numpy as np
 
 from plant.physics.masses import together
 from plant.physics.solids import Touches, add_shape, solid_shapes, touches
-from plant.robot import Array, Inertial, Robot, Shape
+from plant.robot import Array, Finger, Inertial, Robot, Shape
 
 DENSITY = 1000.0
 """Of links whose mass the description does not give [kg/m3]: that of water. So ARPH's arm
@@ -19,23 +19,34 @@ class Links:
 
     def __init__(self, spec: Any, robot: Robot) -> None:
         """Sort them; `spec` is the specification of the model that they are for."""
-        self._spec, self._robot = spec, robot
+        self._spec, self.robot = spec, robot
         self.solids = solid_shapes(robot)
+        fingers = robot.gripper.fingers if robot.gripper else ()
+        self._of_fingers = {link for finger in fingers for link in finger.links}
 
     def of_frame(self, frame: int) -> tuple[list[Shape], list[Inertial]]:
-        """Return the shapes and the masses of that frame."""
-        shapes = [shape for shape in self.solids if shape.frame == frame]
-        return shapes, [each for each in self._robot.inertials if each.frame == frame]
+        """Return the shapes and the masses of that frame, without the fingers of a gripper."""
+        parts = (part for part in self.solids if part.frame == frame)
+        masses = (each for each in self.robot.inertials if each.frame == frame)
+        return (
+            [part for part in parts if part.link not in self._of_fingers],
+            [each for each in masses if each.link not in self._of_fingers],
+        )
+
+    def of_finger(self, finger: Finger) -> tuple[list[Shape], list[Inertial]]:
+        """Return the shapes and the masses that move with a finger."""
+        shapes = [shape for shape in self.solids if shape.link in finger.links]
+        return shapes, [each for each in self.robot.inertials if each.link in finger.links]
 
     def name_of(self, frame: int) -> str:
         """Return the name of the first link that moves with a frame and can be seen or weighed."""
-        robot = self._robot
+        robot = self.robot
         parts: tuple[Shape | Inertial, ...] = (*self.solids, *robot.visuals, *robot.inertials)
         named = (part.link for part in parts if part.frame == frame)
         return next(named, robot.name if frame == 0 else self._joint_name(frame))
 
     def _joint_name(self, frame: int) -> str:
-        joints = (*self._robot.joints, *(mimic.joint for mimic in self._robot.mimics))
+        joints = (*self.robot.joints, *(mimic.joint for mimic in self.robot.mimics))
         return joints[frame - 1].name
 
     def fill(
@@ -55,12 +66,12 @@ class Links:
         """
         origin = np.zeros(3) if origin is None else origin
         for shape in shapes:
-            geom = add_shape(self._spec, body, shape, self._robot)
+            geom = add_shape(self._spec, body, shape, self.robot)
             geom.pos = geom.pos - origin
             geom.density = DENSITY
             # A base stands on the floor without touching it otherwise, and a bolted arm may reach
             # below z = 0: nobody has said what it is bolted to.
-            floor = shape.frame and self._robot.drive is not None
+            floor = shape.frame and self.robot.drive is not None
             others = Touches.ROBOT | Touches.OBJECT
             touches(geom, Touches.ROBOT, others | Touches.FLOOR if floor else others)
         if (mass := together(masses)) is not None:

@@ -4,8 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-import numpy as np
-
 _APART = 0.2  # [s] without a touch after which a contact is over: what rattles is one contact
 
 
@@ -62,30 +60,38 @@ class ContactForces:
             rolling: Names of the geoms on which the robot stands, which is no contact.
         """
         self._data, self._bodies, self._robot = data, bodies, robot
-        self._body = np.array(model.geom_bodyid)
-        self._body[[model.geom(name).id for name in rolling]] = -1
+        self._body: list[int] = model.geom_bodyid.tolist()  # by geom; -1 where it is no contact
+        for name in rolling:
+            self._body[model.geom(name).id] = -1
         self._step = model.opt.timestep
         self._open: dict[tuple[int, int], _Open] = {}
         self._over: list[Touch] = []
 
     def add(self, t: float) -> None:
         """Take the forces of the time step that has led to time `t` [s]."""
-        data = self._data
-        if data.ncon:
-            self._add(t, self._body[data.contact.geom], data.contact.efc_address)
-
-    def _add(self, t: float, bodies: Any, address: Any) -> None:
-        # the first row of a contact is its normal force; one within its margin has none
-        felt = (bodies >= 0).all(axis=1) & (address >= 0)
+        data, body = self._data, self._body
+        if not data.ncon:
+            return
+        contact, felt = data.contact, data.efc_force.tolist()
         forces: dict[tuple[int, int], float] = {}
-        rows = np.sort(bodies[felt], axis=1).tolist()
-        for (one, other), force in zip(rows, self._data.efc_force[address[felt]], strict=True):
-            forces[one, other] = forces.get((one, other), 0.0) + float(force)
+        # lists, as they are short; the first row of a contact is its normal force
+        for (a, b), row in zip(contact.geom.tolist(), contact.efc_address.tolist(), strict=True):
+            one, other = body[a], body[b]
+            if min(one, other, row) >= 0:  # one within its margin has no row
+                pair = (one, other) if one < other else (other, one)
+                forces[pair] = forces.get(pair, 0.0) + felt[row]
         for pair, force in forces.items():
-            touch = self._open.setdefault(pair, _Open(t - self._step, t))
+            touch = self._open.get(pair)
+            if touch is None:
+                touch = self._open[pair] = _Open(t - self._step, t)
             touch.last = t
             touch.force = max(touch.force, force)
             touch.impulse += force * self._step
+
+    def touched(self, body: int, since: float) -> frozenset[int]:
+        """Return the numbers of the bodies that a body has touched since that time [s]."""
+        pairs = (pair for pair, touch in self._open.items() if touch.last >= since)
+        return frozenset(sum(pair) - body for pair in pairs if body in pair)
 
     def over(self, t: float) -> list[Touch]:
         """Return the contacts that are over at time `t` [s] and were not when last asked."""

@@ -1,7 +1,8 @@
 """The MuJoCo model of a robot and of what stands around it."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import combinations, product
 from typing import Any
 
 import mujoco
@@ -9,6 +10,7 @@ import numpy as np
 
 from plant.physics.base import Base, Bolted, Planar, Wheels
 from plant.physics.bodies import Links
+from plant.physics.fingers import Fingers
 from plant.physics.objects import Objects
 from plant.physics.servos import GRAVITY, brake_of
 from plant.physics.solids import STIFF, Touches, place, touches
@@ -33,6 +35,7 @@ class Model:
         data: Its state, at the start.
         base: Of the robot.
         objects: What stands around it.
+        fingers: Of its gripper; None without one.
         joints: Names of the arm's joints in the model.
         bodies: What each of its bodies is called in logs.
         robot_bodies: The numbers of the robot's bodies.
@@ -42,6 +45,7 @@ class Model:
     data: Any
     base: Base
     objects: Objects
+    fingers: Fingers | None
     joints: tuple[str, ...]
     bodies: tuple[str, ...]
     robot_bodies: frozenset[int]
@@ -93,19 +97,22 @@ def build(
     for name in (*base.brakes, *names):
         _couple(spec, brake_of(name), name, "", [0.0]).active = False
     _hand(bodies[robot.n], robot.tip)
+    fingers = robot.gripper and Fingers(spec, links, bodies[robot.n], robot.gripper)
     objects = Objects(spec, world)
     for actuator in spec.actuators:
         _make_servo(actuator)
     for one, other in _neighbours(robot):
         spec.add_exclude(bodyname1=bodies[one].name, bodyname2=bodies[other].name)
+    for finger, body in _beside_fingers(fingers, [body.name for body in bodies[: robot.n + 1]]):
+        spec.add_exclude(bodyname1=finger, bodyname2=body)
     try:
-        found = _compiled(spec, base, objects, names, q)
+        found = _compiled(spec, base, objects, fingers, names, q)
     except ValueError as error:  # such as of a mesh that is none
         what = " ".join(str(error).split())
         raise RobotError(f"MuJoCo cannot use robot '{robot.name}': {what}") from error
     for pair in _overlaps(found):
         spec.add_exclude(bodyname1=pair[0], bodyname2=pair[1])
-    return _compiled(spec, base, objects, names, q)
+    return _compiled(spec, base, objects, fingers, names, q)
 
 
 def _specification(time_step: float) -> Any:
@@ -171,19 +178,35 @@ def _neighbours(robot: Robot) -> set[tuple[int, int]]:
     return pairs | {(one, other) for one, other in fingers if parent[one] == parent[other]}
 
 
-def _compiled(spec: Any, base: Base, objects: Objects, names: tuple[str, ...], q: Numbers) -> Model:
+def _beside_fingers(fingers: Fingers | None, links: Sequence[str]) -> Iterator[tuple[str, str]]:
+    """Yield each finger with the other fingers and with the last two links of the arm."""
+    names = fingers.bodies if fingers else []
+    yield from combinations(names, 2)
+    yield from product(names, links[-2:])
+
+
+def _compiled(
+    spec: Any,
+    base: Base,
+    objects: Objects,
+    fingers: Fingers | None,
+    names: tuple[str, ...],
+    q: Numbers,
+) -> Model:
     """Compile, and put the robot at its start."""
     model = spec.compile()
     data = mujoco.MjData(model)
     for name, position in zip(names, q, strict=True):
         data.qpos[model.joint(name).qposadr[0]] = position
+    if fingers is not None:
+        fingers.bind(model, data)
     base.bind(model, data)
     objects.bind(model, data)
     mujoco.mj_forward(model, data)
     root = model.body(base.body.name).id
     robot_bodies = frozenset(i for i in range(model.nbody) if model.body_rootid[i] == root)
     called = (model.body(i).name.split(" ", 1)[-1] for i in range(1, model.nbody))
-    return Model(model, data, base, objects, names, ("floor", *called), robot_bodies)
+    return Model(model, data, base, objects, fingers, names, ("floor", *called), robot_bodies)
 
 
 def _overlaps(found: Model) -> set[tuple[str, str]]:

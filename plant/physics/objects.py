@@ -5,11 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from plant.physics.solids import Touches, place, resize, touches
+from plant.physics.solids import NORMAL_AND_TWIST, Touches, place, resize, touches
 from plant.solids import Solid
 from plant.world import WorldObject
-
-_NORMAL_AND_TWIST = 4  # MuJoCo's `condim`: what is gripped does not turn between two fingers either
 
 
 class Objects:
@@ -23,7 +21,7 @@ class Objects:
             place(body, each.pose_at(0.0))
             if each.is_loose:
                 body.add_freejoint()
-            geom = body.add_geom(condim=_NORMAL_AND_TWIST)
+            geom = body.add_geom(condim=NORMAL_AND_TWIST)
             resize(geom, each.kind, each.size)
             if each.mass is not None:
                 geom.mass = each.mass
@@ -36,6 +34,9 @@ class Objects:
         moving = [each for each in self._world if each.path is not None]
         numbers = [model.body_mocapid[model.body(_body_of(each)).id] for each in moving]
         self._moving = list(zip(moving, numbers, strict=True))
+        pairs = zip(self._world, self._bodies, strict=True)
+        self.loose = frozenset(number for each, number in pairs if each.is_loose)
+        """The numbers of the bodies that can be pushed, taken and dropped."""
 
     def move(self, t: float) -> None:
         """Put what moves by itself to where it is at plant time `t` [s]."""

@@ -41,6 +41,16 @@ def _servo(model: Any, number: int, gain: float) -> None:
     model.actuator_biasprm[number, 2] = -gain
 
 
+def add_rotor(model: Any, joint: int, gain: float) -> None:
+    """Give a joint the inertia of a rotor behind a gear, as every motor has.
+
+    It is the least with which a servo of that gain does not overshoot within a step: gain x step.
+    With less, a motor at its limit would shake a light wrist or finger ever faster: damping that
+    is beyond the limit does not count in MuJoCo's implicit integration.
+    """
+    model.dof_armature[model.jnt_dofadr[joint]] = gain * model.opt.timestep
+
+
 class Brakes:
     """Brakes on joints of a model: constraints that hold them where they are."""
 
@@ -111,8 +121,9 @@ class Servos:
         self._speeds = np.zeros(robot.n)
         self._missed = np.zeros(robot.n)  # integral of the speed that was missing [rad or m]
         self._full = _INTEGRAL_TIME * self._most / self._gains  # of which it takes all its force
-        for number, each in zip(self._motors, self._gains, strict=True):
+        for joint, number, each in zip(self._joints, self._motors, self._gains, strict=True):
             _servo(model, number, each)
+            add_rotor(model, joint, each)
         for index in range(robot.n):
             self.strengthen(index, 1.0)
 

@@ -17,6 +17,8 @@ a loaded brake give way by a milliradian."""
 
 FRICTION = 0.5
 """Friction coefficient of all but tyres: about that of wood, metal and plastics on each other."""
+NORMAL_AND_TWIST = 4
+"""MuJoCo's `condim` of objects: what is gripped does not turn between two fingers either."""
 READABLE = (".stl", ".obj", ".msh")
 """The formats of meshes that MuJoCo reads."""
 _GEOMS = {

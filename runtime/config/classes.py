@@ -60,13 +60,19 @@ class ClassName(Generic[_T]):
 
 @dataclass(frozen=True)
 class ClassOf(Kind):
-    """The name of a class that derives from `base`."""
+    """The name of a class that derives from `base`.
+
+    Of a list of names it is the first whose module can be imported: others may need an extra that
+    is not installed.
+    """
 
     base: type[Any]
     role: str = ""  # that needs it; by default the one given beside it
 
     def read(self, node: YamlNode, scope: Scope) -> ClassName[Any]:
         """Read the name, and load the class unless only that of another role is wanted."""
+        if node.shape is list:
+            return self.read(self._first(node, scope), scope)
         name = Text(self.such_as, "a class", r"\w+(\.\w+)*:\w+").read(node, scope)
         load = partial(self._load, name, node, str(scope["modules"]))
         if scope["only_role"] not in (None, scope.get("role", self.role)):
@@ -77,6 +83,19 @@ class ClassOf(Kind):
             raise
         except (TypeError, NameError, ValueError) as error:
             raise node.error(f"{name} cannot be used in a file: {error}") from None
+
+    def _first(self, node: YamlNode, scope: Scope) -> YamlNode:
+        """Return the first name of a list whose module can be imported."""
+        reason = node.error(f"is empty; name a class, such as [{self.such_as}]")
+        for each in node.children.values():
+            try:
+                self._load(Text(self.such_as).read(each, scope), each, str(scope["modules"]))
+                return each
+            except ConfigError as error:
+                if not isinstance(error.__cause__, ImportError):
+                    raise  # of a name that is wrong, which no installation makes right
+                reason = error
+        raise reason
 
     def _load(self, name: str, node: YamlNode, folder: str) -> Callable[..., Any]:
         if folder not in sys.path:

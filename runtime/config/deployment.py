@@ -188,13 +188,14 @@ class Deployment:
         """All processes: one of each role, and then the copies."""
         first = [ProcessSpec(role, self.host_of(role)) for role in self.roles]
         hosts = list(self.hosts)
-        copies = []
-        for agent in self.agents:
-            home = hosts.index(agent.host[0])
-            homes = agent.host if len(agent.host) > 1 else (*hosts[home:], *hosts[:home])
+        copies: list[ProcessSpec] = []
+        copied: list[GoalSpec | AgentSpec] = [*([self.goal] if self.goal else []), *self.agents]
+        for spec in copied:
+            home = hosts.index(spec.host[0])
+            homes = spec.host if len(spec.host) > 1 else (*hosts[home:], *hosts[:home])
             copies += [
-                ProcessSpec(agent.role, homes[number % len(homes)], copy=True)
-                for number in range(1, agent.copies)
+                ProcessSpec(spec.role, homes[number % len(homes)], copy=True)
+                for number in range(1, spec.copies)
             ]
         return (*first, *copies)
 
@@ -256,7 +257,7 @@ class Deployment:
             raise node.find("routers").error(f"{what}; remove this or `security`")
         copies = len(self.processes) - len(self.roles)
         if copies > SLOTS - FIRST_COPY:
-            what = f"{copies} copies of agents; at most {SLOTS - FIRST_COPY}"
+            what = f"{copies} copies; at most {SLOTS - FIRST_COPY}"
             raise node.find("agents").error(what)
         own: list[Topic] = []
         specs: list[PlantSpec | NodeSpec] = [self.plant, *self.nodes]

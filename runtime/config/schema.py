@@ -6,6 +6,7 @@ import re
 from dataclasses import MISSING
 from typing import Any
 
+from runtime.config.classes import ClassOf
 from runtime.config.kinds import Choice, Items, Kind, Maybe, Number, Quantity, Table, Text, Whole
 from runtime.config.reading import Derived, Structure, kind_of
 
@@ -35,8 +36,9 @@ def _of(kind: Kind) -> dict[str, Any]:
         case Text() if kind.regex != Text.regex:
             return {"type": "string", "pattern": f"^({kind.regex})$"}
         case Items(bare=True):
-            one = _of(kind.kinds[0])
-            return {"anyOf": [one, {"type": "array", "items": one, "minItems": 1}]}
+            return _one_or_more(_of(kind.kinds[0]))
+        case ClassOf():
+            return _one_or_more({"type": "string", "examples": [kind.such_as]})
         case Items(many=True):
             return {"type": "array", "items": _of(kind.kinds[0])}
         case Items():
@@ -54,6 +56,10 @@ def _of(kind: Kind) -> dict[str, Any]:
             return _object(kind)
         case _:
             return {"type": "string", "examples": [kind.such_as]}
+
+
+def _one_or_more(one: dict[str, Any]) -> dict[str, Any]:
+    return {"anyOf": [one, {"type": "array", "items": one, "minItems": 1}]}
 
 
 def _bounds(kind: Number) -> dict[str, float]:

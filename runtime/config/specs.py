@@ -162,7 +162,7 @@ class PlantSpec:
 
     Attributes:
         class_: A class of plants, `module:Class`, by default a kinematic simulation; its parameters
-            are given beside it.
+            are given beside it. Of a list the first that is installed.
         hold: Age up to which a command is in force [s]; then the joint is brought to rest. By
             default 4 periods.
         host: Its host; by default the first one.
@@ -212,11 +212,13 @@ class GoalSpec:
 
     Attributes:
         class_: A class of paths, `module:Class`; its parameters are given beside it.
-        host: Its host; by default the first one.
+        host: Its host, and with copies a list of hosts, as of an agent.
+        copies: Number of processes that publish it; all but one are standbys.
     """
 
     class_: Annotated[ClassName[Path], ClassOf("agents.paths:Line", Path, GOAL_SOURCE)]
-    host: Home
+    host: Homes
+    copies: Annotated[int, Whole("2", least=1, most=8)] = 1
     parameters: Parameters
 
     role: ClassVar[str] = GOAL_SOURCE
@@ -226,8 +228,16 @@ class GoalSpec:
         return self.class_.make(**self.parameters)
 
     def check(self, node: YamlNode, scope: Scope) -> None:
-        """Refuse parameters that the class refuses."""
+        """Refuse too many hosts, and parameters that the class refuses."""
+        _check_hosts(node, self.host, self.copies)
         self.class_.check(node, self.build)
+
+
+def _check_hosts(node: YamlNode, hosts: Sequence[str], copies: int) -> None:
+    """Refuse more hosts than there are processes of a role."""
+    if len(hosts) > copies:
+        many = f"{len(hosts)} hosts but copies: {copies}; set copies: {len(hosts)}"
+        raise node.find("host").error(many)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -266,9 +276,7 @@ class AgentSpec:
         if self.role not in valid:
             what = f"{robot.name} has no part {self.role!r}"
             raise node.find("role").error(f"{what}{valid_are(self.role, valid)}")
-        if len(self.host) > self.copies:
-            many = f"{len(self.host)} hosts but copies: {self.copies}; set copies: {len(self.host)}"
-            raise node.find("host").error(many)
+        _check_hosts(node, self.host, self.copies)
         for given in self.class_.parameters or ():
             unit = getattr(getattr(given.kind, "kind", given.kind), "unit", "")
             if unit == "rad or m" and self.joint is not None and given.key in node.children:

@@ -14,7 +14,8 @@ from runtime.watching.discovery import Target, robots_here
 from runtime.wire import topics
 from runtime.wire.bus import Bus
 from runtime.wire.mesh import SLOTS
-from runtime.wire.messages import Diag, unpack
+from runtime.wire.messages import Diag
+from runtime.wire.packing import unpack
 from runtime.wire.refusals import MessageError
 
 _TIMEOUT = 1.0  # [s] for an answer from a host or a process

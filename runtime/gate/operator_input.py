@@ -16,13 +16,13 @@ from runtime.errors import RunError
 from runtime.gate.fingers import Fingers
 from runtime.gate.gate import LEASE, Gate, GateError
 from runtime.gate.speed_limit import SpeedLimit
+from runtime.plant_node.state_publisher import GoalMemory
 from runtime.processes.process import Process
-from runtime.processes.state_publisher import GoalMemory
 from runtime.processes.timing import freshness
 from runtime.wire import topics
 from runtime.wire.arbitration import TopicInput
-from runtime.wire.messages import pack
 from runtime.wire.operator_messages import JogMessage, Mode, OperatorState
+from runtime.wire.packing import pack
 from runtime.wire.refusals import MessageError, Reason
 
 _PERIOD = 0.05  # [s] between two messages, if nothing changes
@@ -73,6 +73,7 @@ class OperatorInput:
         self._publisher = bus.publisher(topics.OPERATOR_STATE)
         self._requests: deque[_Request] = deque()
         self._next = self._updated = self._t = -1.0
+        self._heard = -1.0  # plant time of the last message of a press that was obeyed [s]
         bus.answer(topics.HALT, self._on_halt)
         bus.answer(topics.RELEASE, self._on_release)
         bus.answer(topics.MODE, self._on_mode)
@@ -130,6 +131,8 @@ class OperatorInput:
             jog = self._inputs.accept(sample.data, arrived)
             if jog is not None:
                 gate.jog(jog, arrived, (t - jog.t) / self._speed)
+                if gate.held(arrived) is jog:
+                    self._heard = t
         held = gate.held(now)
         shown = gate.mode, gate.halted_by, held and (held.by, held.press)
         if shown != self._logged:
@@ -151,8 +154,16 @@ class OperatorInput:
     def _log_change(self, state: OperatorState) -> None:
         by = None if state.driver is None else f"{state.driver:x}"
         halted_by = state.halted_by if state.halted else None
-        more = {"mode": state.mode, "halted_by": halted_by, "driver": by, "press": state.press}
-        self._process.log.write(state.t, "gate", **more, paused=round(state.paused, 9))
+        self._process.log.write(
+            state.t,
+            "gate",
+            mode=state.mode,
+            halted_by=halted_by,
+            driver=by,
+            press=state.press,
+            paused=round(state.paused, 9),
+            heard=round(self._heard, 9),
+        )
         self._on_change("runs" if state.mode == "automatic" else state.text)
 
     def commands(

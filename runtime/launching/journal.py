@@ -49,9 +49,14 @@ class Journal:
         """
         self.t = view.t
         now, rows = time.monotonic(), {row.incarnation: row for row in view.rows}
-        self.starting -= {
-            row.role for row in view.rows if row.diag and Path(row.diag.run).name == self._run.name
-        }
+        if self.starting:
+            self.starting -= {
+                row.role
+                for row in view.rows
+                if row.diag and Path(row.diag.run).name == self._run.name
+            }
+            if not self.starting and self.screen is not None:
+                self.screen.line(f"plant: {self._deployment.plant.class_}")
         alive = {by: row.role for by, row in rows.items() if row.alive}
         for by in self._alive.keys() - alive.keys():
             ago = now - rows[by].since if by in rows else 0.0  # beside a copy it is not shown

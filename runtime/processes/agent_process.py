@@ -11,7 +11,7 @@ import numpy as np
 from agents.agent import REST, Agent, AgentError, Percepts
 from runtime.config.deployment import Deployment
 from runtime.processes.node import Context, Node
-from runtime.processes.perception import Perception
+from runtime.processes.perception import NEWEST, Perception
 from runtime.processes.process import Process
 from runtime.processes.timing import Backlog, Cadence, apart, freshness
 from runtime.wire import topics
@@ -22,8 +22,6 @@ from runtime.wire.topics import Topic
 _PAUSE = 0.1  # of a period, without which a state has waited for the agent
 _AT_ONCE = 16  # messages of one kind that are looked at before a decision, however many wait
 _GOALS = 8
-_NEWEST = 2  # of a kind that is of use to a decision only, so that a stray one hides no sound one:
-# to read all that came since the last decision would at 1 kHz take longer than to decide
 _BLINK = 0.02  # [s] at least between two looks for a hand while no joint states come
 
 
@@ -74,9 +72,10 @@ class AgentNode(Node):
         self._wanted: tuple[float, ...] | None = None  # speeds
         self._decided_at, self._good = 0.0, agent.rest / REST  # when, and for how long [s]
         self._done, self._paused = 0.0, False
+        self._in_trouble = False
         board = topics.JOINTS if "joints" in sees or "hand" not in sees else topics.HAND
         self._others = [
-            bus.ring(topic.key, _GOALS if topic.percept == "goal" else _NEWEST)
+            bus.ring(topic.key, _GOALS if topic.percept == "goal" else NEWEST)
             for topic in perceived
             if topic.key != board
         ]
@@ -156,6 +155,7 @@ class AgentNode(Node):
         self.state = "waits for a goal" if idle else "runs"
         try:
             decided: object = self._agent.decide(percepts)
+            self._note_trouble(percepts.t)
             if decided is None:
                 return None
             if type(decided) is float:
@@ -165,6 +165,17 @@ class AgentNode(Node):
         except Exception as error:  # it may be a user's agent
             self._process.refusals.count("decide", type(error).__name__, traceback.format_exc())
             return None
+
+    def _note_trouble(self, t: float) -> None:
+        """Show why the agent does not what its goal asks for, and log where that begins and ends.
+
+        The words may change with each decision, as a distance does.
+        """
+        why = self._agent.trouble
+        self.state = why or self.state
+        if bool(why) != self._in_trouble:
+            self._in_trouble = bool(why)
+            self._process.log.write(t, "trouble", why=why)
 
     def _sound(self, shape: tuple[int, ...], speeds: tuple[float, ...]) -> tuple[float, ...] | None:
         """Return the speeds if they are what this role's motor takes."""

@@ -5,7 +5,7 @@ import time
 from agents.agent import Agent
 from agents.paths import Path
 from runtime.processes.node import Context, Node
-from runtime.processes.perception import Perception
+from runtime.processes.perception import NEWEST, Perception
 from runtime.processes.process import Process
 from runtime.processes.timing import freshness
 from runtime.wire import topics
@@ -13,7 +13,6 @@ from runtime.wire.arbitration import TopicInput
 from runtime.wire.messages import LIMIT, GoalMessage, JointStates
 from runtime.wire.operator_messages import OperatorState
 
-_NEWEST = 2  # of a kind that is seen, so that a stray message hides no sound one
 _SHORTEST = 0.01  # [s] between two messages, however fast the plant is
 _KNOWN = 0.2  # [s] after a message about the mode for which its plant counts: four times its period
 
@@ -38,7 +37,7 @@ class GoalNode(Node):
         self._known = TopicInput(*known)
         self._out = process.bus.publisher(topics.GOAL)
         seen = [row for row in topics.TOPICS if row.percept in path.sees and row.key != topics.GOAL]
-        self._rings = [process.bus.ring(row.key, _NEWEST) for row in seen]
+        self._rings = [process.bus.ring(row.key, NEWEST) for row in seen]
         sensors = [row for row in seen if row.percept not in Agent.sees]
         self._senses = Perception(process.robot, fresh, process.refusals, sensors)
 
@@ -62,7 +61,7 @@ class GoalNode(Node):
         if not self._rings:
             return True
         for ring in self._rings:
-            for arrival in ring.waiting(_NEWEST):
+            for arrival in ring.waiting(NEWEST):
                 self._senses.accept(arrival, now)
         percepts = self._senses.percepts(now)
         return percepts is not None and self._path.observe(percepts)

@@ -4,7 +4,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 from plant.robot import Robot
 from runtime.processes.lifetime import Shutdown
@@ -23,6 +23,8 @@ class Context(Protocol):
 
     Attributes:
         role: The node's own name.
+        deployment: The robot and its processes, as a `Deployment`, whose module needs this one;
+            classes of other roles are neither imported nor checked.
         robot: The description of the robot.
         bus: Publishes and subscribes; once it is closed, its calls raise `BusError`.
         ending: Says when to end; `ending.wait(0.1)` sleeps for 0.1 s and returns True at the end.
@@ -33,6 +35,7 @@ class Context(Protocol):
     """
 
     role: str
+    deployment: Any
     bus: "Bus"
     ending: Shutdown
     run: Path

@@ -16,6 +16,9 @@ from runtime.wire.refusals import MessageError, Reason, Refusals
 from runtime.wire.samples import Sample
 from runtime.wire.topics import Topic
 
+NEWEST = 2
+"""Messages of a kind that are looked at where only the newest is of use: a stray one hides no sound
+one, and to read all that came since the last decision would at 1 kHz take longer than to decide."""
 _KEPT = 6  # of each kind, to find those that belong together
 
 

@@ -28,7 +28,8 @@ from runtime.spawning.identity import start_line
 from runtime.wire import topics
 from runtime.wire.bus import Bus, BusError
 from runtime.wire.mesh import FIRST_COPY, SLOTS
-from runtime.wire.messages import Diag, pack
+from runtime.wire.messages import Diag
+from runtime.wire.packing import pack
 from runtime.wire.refusals import Refusals
 from runtime.wire.zenoh_internals.connection_log import ConnectionLog
 from runtime.wire.zenoh_internals.features import Internal, uses

@@ -14,8 +14,9 @@ from runtime.wire import topics
 _AGENTS = "an agent"
 _NEEDED = {
     _AGENTS: ("runtime.processes.agent_process", "agents.joint", "agents.platform"),
-    topics.PLANT: ("runtime.processes.plant_process",),
+    topics.PLANT: ("runtime.plant_node.plant_node",),
     topics.GOAL_SOURCE: ("runtime.processes.goal_process",),
+    topics.PAGE: (),  # it brings its own
 }
 
 
@@ -43,7 +44,7 @@ def live(deployment: Deployment, member: ProcessSpec, file: Path, run: Path) -> 
 def _node(process: Process) -> Node:
     deployment, role = process.deployment, process.role
     if role == topics.PLANT:
-        from runtime.processes.plant_process import PlantNode
+        from runtime.plant_node.plant_node import PlantNode
 
         return PlantNode(process)
     spec = deployment.specs[role]

@@ -99,6 +99,21 @@ class Touched:
 
 
 @dataclass(frozen=True)
+class Lost:
+    """What the gripper has taken and holds no more at the end, though it should.
+
+    Attributes:
+        object: Its name; None if it is not known.
+        t: Plant time at which it was lost [s].
+        position: Of its middle at the end [m]; None if it is not known.
+    """
+
+    object: str | None
+    t: float
+    position: tuple[float, float, float] | None
+
+
+@dataclass(frozen=True)
 class Evaluation:
     """How a run went.
 
@@ -108,6 +123,7 @@ class Evaluation:
         platform: None for a robot without a drive, or if its true motion is not known.
         by_sensors: Whether this is by what the sensors measured, as the plant knows no truth.
         touched: Contacts, by part and object, the first ones first.
+        lost: None if the gripper holds all that it should.
     """
 
     t: float
@@ -116,6 +132,7 @@ class Evaluation:
     joints: tuple[JointMotion, ...]
     by_sensors: bool = False
     touched: tuple[Touched, ...] = ()
+    lost: Lost | None = None
 
 
 def errors(log: RunLog, path: Path) -> Array:
@@ -131,9 +148,10 @@ def errors(log: RunLog, path: Path) -> Array:
 def evaluate(log: RunLog, deployment: Deployment) -> Evaluation:
     """Evaluate a run."""
     robot = deployment.description.robot
-    tracking = None
+    tracking = lost = None
     if deployment.goal is not None:
-        tracking = _tracking(log, deployment.goal.build(), deployment.tolerance, robot)
+        path = deployment.goal.build()
+        tracking, lost = _tracking(log, path, deployment.tolerance, robot), _lost(log, path)
     return Evaluation(
         t=float(log.t[-1]),
         tracking=tracking,
@@ -144,6 +162,7 @@ def evaluate(log: RunLog, deployment: Deployment) -> Evaluation:
         ),
         by_sensors=not log.is_truth,
         touched=tuple(_touched(log)),
+        lost=lost,
     )
 
 
@@ -153,6 +172,20 @@ def _touched(log: RunLog) -> Iterator[Touched]:
         these = [one for one in contacts if (one["part"], one["object"]) == (part, object_)]
         forces = [one["force"] for one in these if one["force"] is not None]
         yield Touched(part, object_, len(these), these[0]["t"], max(forces, default=None))
+
+
+def _lost(log: RunLog, path: Path) -> Lost | None:
+    """Return what was lost and not put down: at the end the fingers should be closer than on it."""
+    grips = [event for event in log.events if event["event"] == "gripper"]
+    wanted = path.piece(log.on_path()[0][-1]).grip
+    if wanted is None or not grips or grips[-1]["holds"]:
+        return None
+    taken = [each["opening"] for each in grips if each["holds"]]
+    if not taken or wanted >= taken[-1]:
+        return None
+    ends = [event["position"] for event in log.events if event["event"] == "lost"]
+    x_y_z = tuple(ends[-1]) if ends else None
+    return Lost(grips[-1]["object"], grips[-1]["t"], x_y_z)
 
 
 def _tracking(log: RunLog, path: Path, tolerance: Tolerance, robot: Robot) -> Tracking | None:

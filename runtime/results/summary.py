@@ -12,7 +12,7 @@ from typing import Any
 
 from runtime.config.deployment import Deployment, Tolerance
 from runtime.processes.lifetime import FAILED, INTERRUPTED, OK
-from runtime.results.evaluation import SETTLING, Evaluation, Tracking, evaluate
+from runtime.results.evaluation import SETTLING, Evaluation, Lost, Tracking, evaluate
 from runtime.results.logs import read_log
 from runtime.results.outcome import RunEvent, RunOutcome
 from runtime.results.run_log import RunLog, RunLogError, read_run_log
@@ -56,6 +56,7 @@ class Summary:
         events: Faults, failures and restarts, in the order of plant time.
         again: The command that repeats the run.
         page: The address of the page from which a person could drive it; empty without one.
+        plant: The class of its plant.
     """
 
     robot: str
@@ -68,6 +69,7 @@ class Summary:
     run: Path
     again: str
     page: str = ""
+    plant: str = ""
 
     def to_json(self) -> str:
         """Return the summary for programs, in SI units."""
@@ -86,6 +88,7 @@ class Summary:
         return "\n".join(lines)
 
     def _facts(self) -> Iterator[tuple[str, str]]:
+        yield "  plant", self.plant
         if self.evaluation is not None:
             if hand := self.evaluation.tracking:
                 worst = off(hand.worst, hand.worst_angle)
@@ -167,6 +170,12 @@ def summarise(
     evaluation = None if log is None else evaluate(log, deployment)
     code, headline = _outcome(deployment, outcome, log, evaluation)
     events = [*outcome.events, *_logged(deployment, run, log)]
+    for agent in deployment.agents:
+        troubles = read_log(run, agent.role, "trouble")
+        said = [RunEvent(one["t"], f"{agent.role} {one['why'] or 'goes on'}") for one in troubles]
+        if code == MISSED and troubles and troubles[-1]["why"]:
+            headline = f"{headline}; {said[-1].text}"
+        events += said
     return Summary(
         robot=deployment.robot,
         code=code,
@@ -178,6 +187,7 @@ def summarise(
         run=run,
         again=shlex.join(["msma", "launch", str(run / "deployment.yaml"), *again]),
         page=outcome.page,
+        plant=str(deployment.plant.class_),
     )
 
 
@@ -201,7 +211,7 @@ def _outcome(
         return code, f"the plant ended {when}: {why}"
     if evaluation.tracking is None:
         return OK, f"ran to {evaluation.t:.2f} s"
-    code, headline = _reached(evaluation.tracking, evaluation.t, deployment.tolerance)
+    code, headline = _reached(evaluation, evaluation.tracking, deployment.tolerance)
     if evaluation.tracking.unfinished and log.modes:
         last = log.modes[-1]
         return MISSED, f"{_mode(last)} since {last['t']:.2f} s, before the path's end; {headline}"
@@ -218,16 +228,27 @@ def _of_share(host: str, outcome: RunOutcome) -> tuple[int, str]:
     return OK, f"the share of {host} ran to {t:.2f} s; the plant's host evaluates the run"
 
 
-def _reached(tracking: Tracking, t: float, tolerance: Tolerance) -> tuple[int, str]:
+def _reached(evaluation: Evaluation, tracking: Tracking, tolerance: Tolerance) -> tuple[int, str]:
     turns = tracking.worst_angle > 0
-    hand = f"the hand is {off(tracking.final, tracking.final_angle)} off at {t:.2f} s"
+    hand = f"the hand is {off(tracking.final, tracking.final_angle)} off at {evaluation.t:.2f} s"
+    lost = "" if evaluation.lost is None else f"{_where(evaluation.lost)}; "
     if tracking.nearest is None:
-        return OK, f"goal reached: {hand}, within {off(*tolerance.limits(turns))}"
+        within = f"{hand}, within {off(*tolerance.limits(turns))}"
+        return (MISSED, f"goal missed: {lost}{within}") if lost else (OK, f"goal reached: {within}")
     if min(tracking.nearest, tracking.final) > tolerance.position:
         hand += f"; it is {distance(tracking.nearest)} out of reach from where the platform is"
     elif not turns:  # whether an orientation is in reach is not known
         hand += ", though the arm could reach it from where the platform is"
-    return MISSED, f"goal missed: {hand}"
+    return MISSED, f"goal missed: {lost}{hand}"
+
+
+def _where(lost: Lost) -> str:
+    """Return what was lost, and where it is."""
+    what = f"the {lost.object or 'object in the gripper'} is lost since {lost.t:.2f} s"
+    if lost.position is None:
+        return what
+    x, y, z = lost.position
+    return f"{what}, and at x {x:.2f} m, y {y:.2f} m, its middle {z:.2f} m above the floor"
 
 
 def _logged(deployment: Deployment, run: Path, log: RunLog | None) -> Iterator[RunEvent]:
@@ -242,6 +263,10 @@ def _logged(deployment: Deployment, run: Path, log: RunLog | None) -> Iterator[R
     for event in log.events:
         if event["event"] == "fault":
             yield RunEvent(event["t"], f"fault {event['fault']}")
+        elif event["event"] == "gripper":
+            what = f"the {event['object']}" if event["object"] else "something"
+            said = f"has taken {what}" if event["holds"] else f"does not hold {what} any more"
+            yield RunEvent(event["t"], f"the gripper {said}")
     for role, count in Counter(member.role for member in deployment.processes).items():
         for again in read_log(run, role, "start")[count:]:
             text = f"{role} was restarted{_recovery(run, log, again)}"

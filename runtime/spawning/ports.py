@@ -8,7 +8,8 @@ from collections.abc import Callable
 from runtime.wire import topics
 from runtime.wire.bus import Bus
 from runtime.wire.mesh import ALL_BASES, LOOPBACK, Address, Endpoints
-from runtime.wire.messages import Diag, unpack_valid
+from runtime.wire.messages import Diag
+from runtime.wire.packing import unpack_valid
 
 _LOOKED_AT = 8  # ports of each robot: of plant, goal and the first agents
 _ANSWER = 1.0  # [s]

@@ -8,7 +8,7 @@ from msgspec import to_builtins
 
 from runtime.watching.discovery import add_target_options, target_of, visit
 from runtime.wire import topics
-from runtime.wire.messages import unpack, unpack_map
+from runtime.wire.packing import unpack, unpack_map
 from runtime.wire.refusals import MessageError
 
 _DEPTH = 1000  # messages waiting to be printed

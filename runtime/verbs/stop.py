@@ -10,6 +10,7 @@ from runtime.wire import topics
 from runtime.wire.bus import Bus
 
 _PATIENCE = 3.0  # [s] for all processes to end
+_LATE = 0.3  # [s] after which none is expected that connects so late that it was not asked yet
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -20,15 +21,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
-    """Request the stop, and wait until the processes have ended."""
+    """Request the stop, again as long as any runs, and wait until the processes have ended."""
     with visit(target_of(args)) as bus:
-        wanted = _alive(bus, args.role)
+        wanted = left = _alive(bus, args.role)
         if not wanted:
             raise RunError(f"no {args.role} runs")
-        Control(bus).stop(args.role or "**")
-        until = time.monotonic() + _PATIENCE
-        while (left := wanted & _alive(bus, args.role)) and time.monotonic() < until:
+        control, began = Control(bus), time.monotonic()
+        ended = began
+        while (now := time.monotonic()) < began + _PATIENCE and (left or now < ended + _LATE):
+            if left:
+                control.stop(args.role or "**")
+                ended = time.monotonic()
             time.sleep(0.05)
+            left = _alive(bus, args.role)
+            if args.role:
+                left &= wanted  # and not one that is revived meanwhile
+            wanted |= left
     if left:
         raise RunError(
             f"{_roles(left)}: does not stop; use `msma kill ROLE` for a process that hangs"

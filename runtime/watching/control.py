@@ -8,8 +8,8 @@ from runtime.errors import NotConfirmed, RunError
 from runtime.spawning.local import ProcessGroup
 from runtime.wire import topics
 from runtime.wire.bus import Bus
-from runtime.wire.messages import unpack_valid
 from runtime.wire.operator_messages import OperatorState
+from runtime.wire.packing import unpack_valid
 
 _ANSWER = 1.0  # [s] to wait for the answer to a request
 _CONFIRMED = 0.5  # [s] after which a request to halt, release or choose a mode is not confirmed

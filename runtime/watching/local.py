@@ -11,7 +11,8 @@ from runtime.spawning.local import LocalProcesses
 from runtime.watching.discovery import Target, visit
 from runtime.wire import topics
 from runtime.wire.bus import Bus
-from runtime.wire.messages import Diag, unpack_valid
+from runtime.wire.messages import Diag
+from runtime.wire.packing import unpack_valid
 
 _ANSWER = 1.0  # [s]
 _START = 10.0  # [s] for a revived process to be seen alive

@@ -18,9 +18,9 @@ from runtime.wire.messages import (
     JointStates,
     PlatformPose,
     Position,
-    unpack_valid,
 )
 from runtime.wire.operator_messages import OperatorState
+from runtime.wire.packing import unpack_valid
 from runtime.wire.refusals import Refusals
 
 _FRESH = 1.0  # [s] for which a state is shown that is no longer published

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from typing import Generic
 
 from runtime.wire import topics
-from runtime.wire.messages import GoalMessage, M, unpack
+from runtime.wire.messages import GoalMessage, M
+from runtime.wire.packing import unpack
 from runtime.wire.refusals import MessageError, Reason, Refusals
 
 SOURCES_KEPT = 32
@@ -126,7 +127,7 @@ class TopicInput(Arbiter[M]):
     def accept(self, data: bytes, now: float) -> M | None:
         """Accept what arrived `now` [s]; return the message, or None if it is refused."""
         try:
-            message = unpack(self._kind, data)
+            message = unpack(self._kind, data, self.key)
             if self._check is not None:
                 self._check(message)
         except MessageError as error:

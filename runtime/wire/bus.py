@@ -16,7 +16,8 @@ from zenoh.handlers import Handler, RingChannel
 from plant.errors import MsmaError
 from runtime.wire import topics
 from runtime.wire.mesh import Endpoints
-from runtime.wire.messages import Message, stamped
+from runtime.wire.messages import Message
+from runtime.wire.packing import stamped
 from runtime.wire.samples import Sample, data_of, sample_of
 from runtime.wire.security import Credentials
 from runtime.wire.session import config
@@ -40,10 +41,10 @@ class Answer(NamedTuple):
 
 
 class Publisher:
-    """Sends messages on one key, each stamped with the incarnation and a number counting up."""
+    """Sends messages on one key, each stamped with it, the incarnation and a number counting up."""
 
-    def __init__(self, publisher: zenoh.Publisher, incarnation: int) -> None:
-        self._publisher = publisher
+    def __init__(self, publisher: zenoh.Publisher, key: str, incarnation: int) -> None:
+        self._publisher, self._key = publisher, key
         self._incarnation = incarnation
         self._n = 0
 
@@ -53,7 +54,7 @@ class Publisher:
 
     def _packed(self, message: Message) -> bytes:
         self._n += 1
-        return stamped(message, self._incarnation, self._n)
+        return stamped(message, self._incarnation, self._n, self._key)
 
     def _put(self, packed: bytes) -> None:
         try:
@@ -117,6 +118,7 @@ class Bus(AbstractContextManager["Bus"]):
         credentials: Credentials | None = None,
     ) -> None:
         self.incarnation = incarnation
+        self._named = robot is not None  # else its keys begin with the robot's name
         try:
             self._session = zenoh.open(config(robot, place, credentials))
         except zenoh.ZError as error:
@@ -141,7 +143,7 @@ class Bus(AbstractContextManager["Bus"]):
             priority=zenoh.Priority.REAL_TIME if urgent else zenoh.Priority.DATA_LOW,
             express=express,
         )
-        return Publisher(publisher, self.incarnation)
+        return Publisher(publisher, key, self.incarnation)
 
     def ring(self, key: str, depth: int = 8) -> RingSubscriber:
         """Return the last `depth` messages on a key expression, for a loop to wait for."""
@@ -198,13 +200,18 @@ class Bus(AbstractContextManager["Bus"]):
         return [str(reply.ok.key_expr) for reply in replies if reply.ok is not None]
 
     def answer(self, key: str, reply: Callable[[bytes], bytes]) -> None:
-        """Answer each query on `key` by what `reply` returns, or by its error's message."""
+        """Answer each query on `key` by what `reply` returns, or by its error's message.
+
+        One that says that it was asked on another key is not acted on, see `packing.unpack`.
+        """
 
         def on_query(query: zenoh.Query) -> None:
             self._asked = time.monotonic()
             question = b"" if query.payload is None else data_of(query.payload)
             try:
-                query.reply(key, reply(question))
+                if not _meant_for(query.attachment, key):
+                    raise BusError("it was asked on another key")
+                query.reply(key, reply(question), attachment=key)
             except MsmaError as error:
                 query.reply_err(str(error).encode())
 
@@ -221,14 +228,27 @@ class Bus(AbstractContextManager["Bus"]):
             key,
             timeout,
             payload=question,
+            attachment=key if self._named else None,
             target=zenoh.QueryTarget.ALL,
             consolidation=zenoh.ConsolidationMode.NONE,  # copies answer on the same key
         )
         for reply in replies:
             if reply.ok is not None:
-                yield Answer(str(reply.ok.key_expr), data_of(reply.ok.payload), True)
+                answered = str(reply.ok.key_expr)
+                if not self._named or _meant_for(reply.ok.attachment, answered):
+                    yield Answer(answered, data_of(reply.ok.payload), True)
             elif reply.err is not None:
                 yield Answer(key, data_of(reply.err.payload), False)
+
+
+def _meant_for(attachment: zenoh.ZBytes | None, key: str) -> bool:
+    """Return whether a query or an answer was sent on a key, as far as it says on which."""
+    if attachment is None:
+        return True
+    try:
+        return bool(zenoh.KeyExpr(data_of(attachment).decode()).intersects(zenoh.KeyExpr(key)))
+    except (zenoh.ZError, UnicodeDecodeError):
+        return False
 
 
 def _replies(

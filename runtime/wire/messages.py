@@ -1,30 +1,22 @@
-"""The messages of the wire contract: typed structs that travel as msgpack maps.
+"""The messages of the wire contract: typed structs, whose annotations `msgspec` checks.
 
-`msgpack` packs and unpacks; `msgspec` checks types, lengths and ranges against the annotations.
-A message that `unpack` returns is sound: the right types and lengths, finite, within bounds.
+What `packing.unpack` returns is sound: the right types and lengths, finite, within bounds.
 """
 
 import math
 from collections.abc import Iterable, Mapping
 from contextlib import suppress
-from operator import methodcaller
 from typing import Annotated, Any, Literal, NamedTuple, Self, TypeVar
 
-import msgpack
-from msgspec import Meta, Struct, ValidationError, convert, field, to_builtins
+from msgspec import Meta, Struct, ValidationError, convert, field
 
 from plant.belt import Ranges
 from runtime.wire.refusals import MessageError, Reason
 
-LARGEST = 16 * 1024
-"""Size of the largest message of any kind [bytes]."""
 LIMIT = 1e9
 """No quantity of ours is larger, whatever its SI unit: 30 years, or twice to the moon."""
 MOST_NUMBERS = 64
 """The longest array: numbers of one field, so joints of one robot."""
-_LONGEST_TEXT = 1024
-_MOST_ENTRIES = 80
-_of_numpy = methodcaller("tolist")  # a number or numbers as Python's own
 
 
 def number(unit: str) -> Meta:
@@ -275,76 +267,3 @@ def first_look(*kinds: type[Message]) -> None:
 
 
 first_look(*Message.__subclasses__())
-
-
-def pack(message: Message) -> bytes:
-    """Return the message as it travels."""
-    return stamped(message, message.by, message.n)
-
-
-def stamped(message: Message, by: int, n: int) -> bytes:
-    """Return the message as it travels, as the `n`th of incarnation `by` whatever it says."""
-    wire = to_builtins(message, enc_hook=_of_numpy)
-    wire["by"], wire["n"] = by, n
-    packed: bytes = msgpack.packb(wire)
-    return packed
-
-
-def unpack_map(data: bytes) -> dict[Any, Any]:
-    """Return the msgpack map in `data`, of bounded size, or raise `MessageError`."""
-    if len(data) > LARGEST:
-        raise MessageError(Reason.TOO_LARGE, f"more than {LARGEST} bytes")
-    try:
-        wire = msgpack.unpackb(
-            data,
-            max_ext_len=0,
-            max_bin_len=0,
-            max_str_len=_LONGEST_TEXT,
-            max_array_len=MOST_NUMBERS,
-            max_map_len=_MOST_ENTRIES,
-        )
-    except Exception as error:  # whatever a codec makes of what a stranger sends
-        reason = Reason.TOO_LARGE if "exceeds max_" in str(error) else Reason.NOT_MSGPACK
-        raise MessageError(reason, str(error) or type(error).__name__) from None
-    if type(wire) is not dict:
-        raise MessageError(Reason.NOT_A_MAP, f"it is {type(wire).__name__}")
-    return wire
-
-
-def unpack(kind: type[M], data: bytes) -> M:
-    """Return the message of that kind in `data`, or raise `MessageError`. More fields are fine."""
-    wire = unpack_map(data)
-    if "by" not in wire or "n" not in wire:  # a message of our own is stamped when it is sent
-        raise MessageError(Reason.MISSING, "it needs the fields `by` and `n`")
-    try:
-        message = convert(wire, kind)
-    except ValidationError as error:
-        raise MessageError(_reason(str(error), wire), str(error)) from None
-    message.check()
-    return message
-
-
-def unpack_valid(kind: type[M], data: bytes) -> M | None:
-    """Return the message of that kind in `data`; None if it is not one."""
-    try:
-        return unpack(kind, data)
-    except MessageError:
-        return None
-
-
-def _reason(error: str, wire: Mapping[Any, Any]) -> Reason:
-    """Return the reason for a refusal, by the words of msgspec."""
-    said = error.partition(" - at ")[0]
-    if said.startswith("Object missing"):
-        return Reason.MISSING
-    if " of length " in said:
-        return Reason.WRONG_LENGTH
-    if "` >= " in said or "` <= " in said:
-        return Reason.OUT_OF_RANGE if _is_finite(wire) else Reason.NOT_FINITE
-    return Reason.WRONG_TYPE
-
-
-def _is_finite(wire: Mapping[Any, Any]) -> bool:
-    """Tell whether all numbers of the fields are finite."""
-    values = (one for each in wire.values() for one in (each if type(each) is list else (each,)))
-    return all(math.isfinite(one) for one in values if type(one) is float)

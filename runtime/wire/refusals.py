@@ -29,6 +29,7 @@ class Reason(StrEnum):
     OUT_OF_RANGE = "out of range"
     NOT_UNIT = "not a unit quaternion"
     UNKNOWN_KEY = "unknown key"
+    ANOTHER_KEY = "another key"
     LATE = "late"
     ANOTHER_SOURCE = "another source"
     OVER_LIMIT = "over limit, clamped"

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import zenoh
 
-from runtime.wire.messages import LARGEST
+from runtime.wire.packing import LARGEST
 
 _OVERSIZE = bytes(LARGEST + 1)  # stands for what is too large to be looked at
 

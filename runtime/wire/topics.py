@@ -24,6 +24,7 @@ from runtime.wire.messages import (
     RangesMessage,
 )
 from runtime.wire.operator_messages import JogMessage, OperatorState
+from runtime.wire.world_message import WorldMessage
 
 PLANT, GOAL_SOURCE, PLATFORM_AGENT = "plant", "goal", "platform"
 GRIPPER_AGENT = "gripper"
@@ -42,6 +43,7 @@ GOAL = "goal"
 KNOWN_GOAL = "goal/known"
 JOG = "operator/jog"
 OPERATOR_STATE = "operator/known"
+WORLD = "world"
 EVERY_DIAG = "diag/**"
 
 
@@ -86,6 +88,7 @@ TOPICS = (
     Topic(KNOWN_GOAL, GoalMessage, PLANT, "goal", "at most 20 Hz", express=False, recorded=False),
     Topic(JOG, JogMessage, PAGE, rate="20 Hz while something is held"),
     Topic(OPERATOR_STATE, OperatorState, PLANT, rate="each period, at most 20 Hz", express=False),
+    Topic(WORLD, WorldMessage, PLANT, None, "at most 10 Hz, with a world", False, express=False),
     Topic(EVERY_DIAG, Diag, "**", rate="1 Hz", urgent=False, express=False),
 )
 """The topics of every robot."""

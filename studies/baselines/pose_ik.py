@@ -27,6 +27,7 @@ import numpy as np
 from agents.agent import Array, Body, Percepts
 from agents.kick import Kick, Kicks
 from agents.markers import LEVER, Aim, Off, aim_at, cost, reach_of, rotation_vector, turned_against
+from agents.number import components
 from agents.others import links_of
 from plant.kinematics import ArmPose, kinematics_of
 from plant.plant import Commands
@@ -100,7 +101,7 @@ class PoseController(CentralController):
         rests = np.zeros(distance.shape, dtype=bool) if moves else distance < ARRIVED
         velocity = self._velocity(q, base, arm, off, aim, rests)
         if not moves:
-            by_chance, speed = self._chance.moves(t, distance, q)
+            by_chance, speed = self._chance.moves(t, distance, q, base)
             if self._locked is not None:
                 by_chance &= ~self._locked
             velocity[..., :n] = np.where(by_chance, speed, velocity[..., :n])
@@ -202,17 +203,19 @@ class RandomMoves:
         self._kicks: list[Kick | None] = [None] * robot.n
         self._top = robot.max_speed
 
-    def moves(self, t: float, distance: Array, q: Array) -> tuple[Bools, Array]:
+    def moves(self, t: float, distance: Array, q: Array, base: Array | None) -> tuple[Bools, Array]:
         """Return which joints (B, n) move by chance now, and their speeds [rad/s or m/s].
 
         Args:
             t: Plant time [s].
             distance: (B,) of hands and goals, the root of their cost [m].
             q: (B, n) joint positions [rad or m].
+            base: (B, 3) platform poses [m], [rad]; None of bolted arms.
         """
+        place = None if base is None else components(base)
         going, speeds = np.zeros(q.shape, dtype=bool), np.zeros(q.shape)
         for i, joint in enumerate(self._joints):
-            after = self._kicks[i] = joint.watched(np, self._kicks[i], b"", t, distance)
+            after = self._kicks[i] = joint.watched(np, self._kicks[i], b"", t, distance, place)
             going[..., i] = t < np.asarray(after.until)
             speeds[..., i] = (after.place - q[..., i]) / self.HORIZON
         return going, np.clip(speeds, -self._top, self._top)

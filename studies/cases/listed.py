@@ -21,6 +21,10 @@ SPEED = float(np.linalg.norm(VELOCITY))
 """Speed of the goal in Table 1 [m/s]."""
 
 
+EIGHT = 0.4
+"""Radius of the circles of a figure of eight [m]."""
+
+
 def _free(count: int) -> Array:
     return np.full((count, 3), np.nan)
 
@@ -134,7 +138,7 @@ def rounds(eight: bool) -> Kind:
     locks[:, 0] = np.radians(np.arange(-180, 180, 45))
     every = np.ones(8)
     course = goals.circles(
-        HAND, every * (0.4 if eight else 0.8), every * 0.07, np.full(8, eight), every,
+        HAND, every * (EIGHT if eight else 0.8), every * 0.07, np.full(8, eight), every,
         every * -np.pi / 2,
     )  # fmt: skip
     name = "figures of eight" if eight else "circles"

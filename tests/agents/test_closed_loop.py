@@ -92,11 +92,6 @@ def test_an_encoder_lost_on_the_way_is_made_up_for_by_the_eye(arph):
     assert trace.error[trace.t > 14.0].max() < 10e-3
 
 
-def test_the_fixed_step_of_the_paper_follows_within_its_step(arph):
-    trace = follow(arph, law="fixed-step")
-    assert trace.error[trace.t > 2.0].max() < 20e-3
-
-
 @pytest.fixture(scope="module")
 def planar():
     return load("planar5")

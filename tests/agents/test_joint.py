@@ -19,16 +19,14 @@ LEFT = (0.0, 0.05, 0.0)
     ("joint", "offset", "sign"),
     [(0, LEFT, 1), (0, (0.0, -0.05, 0.0), -1), (1, UP, 1), (1, (0.0, 0.0, -0.05), -1), (2, UP, 1)],
 )
-@pytest.mark.parametrize("law", ["line", "fixed-step"])
-def test_a_joint_turns_the_hand_towards_the_goal(body, percepts, joint, offset, sign, law):
-    agent = JointAgent(body(joint), law=law)
+def test_a_joint_turns_the_hand_towards_the_goal(body, percepts, joint, offset, sign):
+    agent = JointAgent(body(joint))
     assert np.sign(agent.decide(percepts(offset))) == sign
     assert agent.perception == "blackboard"
 
 
 def test_a_joint_that_cannot_help_stays(body, percepts):
     assert abs(JointAgent(body(5)).decide(percepts(UP))) < 1e-3  # it rolls about the grip point
-    assert JointAgent(body(0), law="fixed-step").decide(percepts(UP)) == 0.0
 
 
 def test_a_joint_never_asks_for_more_than_its_speed_limit(body, percepts, arph):
@@ -101,10 +99,9 @@ def test_without_a_model_chance_comes_from_the_generator_given(body, percepts):
     assert run(1) != run(2)
 
 
-@pytest.mark.parametrize("law", ["line", "fixed-step"])
 @pytest.mark.parametrize("perception", ["blackboard", "localiser", "auto"])
-def test_a_batch_of_robots_is_decided_for_at_once(body, percepts, law, perception):
-    agent = JointAgent(body(1), law=law, perception=perception)
+def test_a_batch_of_robots_is_decided_for_at_once(body, percepts, perception):
+    agent = JointAgent(body(1), perception=perception)
     one = percepts(UP)
     joints = Joints(np.tile(START, (5, 2, 1)), np.zeros((5, 2, 6)))
     many = one._replace(joints=joints, base=np.zeros((5, 2, 3)), hand=np.tile(one.hand, (5, 2, 1)))
@@ -117,7 +114,6 @@ def test_a_batch_of_robots_is_decided_for_at_once(body, percepts, law, perceptio
         ({"bend": 2.0}, "bend: 114.592 deg must be from 0 to 90 deg"),
         ({"horizon": -1.0}, "horizon: -1 must be positive"),
         ({"memory": 0.0}, "memory: 0 must be positive"),
-        ({"step": 0.0}, "step: 0 must be positive"),
     ],
 )
 def test_a_parameter_out_of_range_is_refused(body, parameters, said):

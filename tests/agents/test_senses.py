@@ -43,10 +43,6 @@ def test_an_agent_rests_for_a_small_part_of_its_horizon(body):
         assert 0 < agent.rest <= 0.015
 
 
-def test_who_makes_a_step_a_period_decides_every_period(body):
-    assert JointAgent(body(0, 0.001), law="fixed-step").rest == 0
-
-
 @pytest.mark.parametrize("ticks", [1, 4])
 def test_how_often_it_decides_does_not_change_how_it_lets_go(body, percepts, ticks):
     period = 0.01

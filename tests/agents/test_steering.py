@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
+from agents.in_parts import advance
 from agents.steering import BEYOND, INTERVALS, Course, Planner
+from agents.towing import tail_of
 
 PLANNER = Planner(np.array([0.3, 0.8]), np.array([0.5, 2.0]), 1.0)
 
@@ -13,13 +15,21 @@ def course(goal, hand, now=(0.0, 0.0), going=0.0):
     return Course(goal + going * PLANNER.times, hand * whole, np.array(now), np.ones(2))
 
 
+def planned(ahead, before=None):
+    return advance(PLANNER.plan(ahead, before))
+
+
+def tail(course):
+    return tail_of(course.goal, course.hand, PLANNER.times, PLANNER.end)
+
+
 def followed(goal, hand, plans=60, period=0.1, going=0.0):
     """Drive as planned, planning anew all the time; return the error left [m]."""
     place, heading, plan, now = 0j, 0.0, None, np.zeros(2)
     for _ in range(plans):
         turn = np.exp(-1j * heading)
         before = None if plan is None else PLANNER.later(plan, period)
-        plan, _ = PLANNER.plan(course((goal - place) * turn, hand, now, going * turn), before)
+        plan, _ = planned(course((goal - place) * turn, hand, now, going * turn), before)
         assert (plan[:, 0] >= 0).all()
         assert (np.abs(plan) <= 1 + 1e-12).all()
         now = plan[0]
@@ -42,14 +52,14 @@ def test_a_hand_behind_the_axle_keeps_to_a_goal_that_goes(hand, going):
 
 
 def test_a_plan_ends_with_the_heading_with_which_a_hand_behind_the_axle_stays():
-    tail = PLANNER._tail(course(0.5, -0.5 + 0.2j, going=0.07j))
-    np.testing.assert_allclose(tail.heading, [1j], atol=1e-12)
-    assert tail.weight > 0
-    assert PLANNER._tail(course(0.5, 0.5 + 0.2j, going=0.07j)).weight == 0
+    found = tail(course(0.5, -0.5 + 0.2j, going=0.07j))
+    np.testing.assert_allclose(found.heading, [1j], atol=1e-12)
+    assert found.weight > 0
+    assert tail(course(0.5, 0.5 + 0.2j, going=0.07j)).weight == 0
 
 
 def test_a_hand_at_its_goal_stays():
-    plan, left = PLANNER.plan(course(0.3 + 0.1j, 0.3 + 0.1j), None)
+    plan, left = planned(course(0.3 + 0.1j, 0.3 + 0.1j))
     np.testing.assert_allclose(plan, 0.0, atol=1e-6)
     assert left.max() < 1e-6
 
@@ -64,6 +74,6 @@ def test_many_are_planned_for_as_each_alone():
     some = [course(1.0 + 0j, 0.3j), course(-0.4j, 0.2 + 0j)]
     some = [one._replace(turn=turn) for one, turn in zip(some, turns, strict=True)]
     together = Course(*(np.stack(parts) for parts in zip(*some, strict=True)))
-    plans, _ = PLANNER.plan(together, None)
+    plans, _ = planned(together)
     for each, plan in zip(some, plans, strict=True):
-        np.testing.assert_allclose(PLANNER.plan(each, None)[0], plan, atol=1e-9)
+        np.testing.assert_allclose(planned(each)[0], plan, atol=1e-9)

@@ -126,6 +126,57 @@ def test_a_hand_that_is_far_off_its_way_is_led_on_from_where_it_is() -> None:
     assert task.piece(20.1) is goal
 
 
+HOLDING = (
+    Step(position=HERE, rpy=LEVEL, grip=0.1),
+    Step(position=THERE, rpy=LEVEL, grip=0.1),
+    Step(position=THERE, rpy=LEVEL, grip=0.0, holds=True),
+    Step(position=UP, rpy=LEVEL, grip=0.0, holds=True),
+)
+
+
+def holding(*grips: Grip) -> Sequence:
+    """Return a sequence that has come to the third step, and has then seen those grips there."""
+    task = Sequence(steps=HOLDING, speed=0.1)
+    t = 1.0
+    while not task.observe(seen(t, HERE)):
+        pass
+    for hand, grip in ((HERE, OPEN), (THERE, OPEN), *((THERE, grip) for grip in grips)):
+        t += 10.0
+        task.observe(seen(t, hand, grip))
+    return task
+
+
+def test_fingers_that_have_closed_on_nothing_do_not_lift_it() -> None:
+    assert end_of(holding(Grip(0.03, False))) == pytest.approx(THERE)  # they are on their way
+    assert end_of(holding(SHUT)) == pytest.approx(HERE)
+    assert end_of(holding(HELD)) == pytest.approx(UP)
+
+
+def test_one_that_has_lost_what_it_held_goes_back_to_take_it_again() -> None:
+    task = holding(HELD)
+    task.observe(seen(60.0, THERE, None))  # nobody says how it is
+    assert end_of(task) == pytest.approx(UP)
+    task.observe(seen(60.0, UP, Grip(0.06, False)))
+    assert end_of(task) == pytest.approx(HERE)
+    assert task.piece(60.0).grip == 0.1
+
+
+def test_a_standby_goes_on_where_another_has_led() -> None:
+    task, other = holding(HELD), holding()
+    other.observe(seen(60.0, THERE, HELD, task.piece(60.0)))
+    assert other.piece(60.0) is task.piece(60.0)
+
+
+def test_of_an_orientation_only_a_part_may_matter() -> None:
+    step = Step(position=HERE, rpy=LEVEL, free="roll")
+    aside = np.array((0.0, 0.0, 0.6, 0.8))
+    assert step.is_done(seen(1.0, HERE)._replace(orientation=aside))
+    task = Sequence(steps=(step,))
+    while not task.observe(seen(1.0, THERE)):
+        pass
+    assert task.piece(1.0).free == "roll"
+
+
 def test_the_goal_of_somebody_else_is_no_step_of_it() -> None:
     other = Goal(np.array(THERE), np.zeros(3), 0.0, 0.0, grip=0.05)
     task = Sequence(steps=STEPS, speed=0.1)
@@ -158,6 +209,7 @@ def test_what_has_seen_nothing_stands_where_it_leads_to() -> None:
         (lambda: Sequence(steps=STEPS, turning=0.0), "^turning: 0 rad/s must be positive"),
         (lambda: Sequence(steps=STEPS, speed=0.0), "^speed: 0 m/s must be positive"),
         (lambda: Step(position=HERE, tolerance=0.0), "^tolerance: 0 must be positive"),
+        (lambda: Step(position=HERE, holds=True), "^holds: needs a grip too"),
         (lambda: Step(position=HERE, grip=-1.0), "^grip: an opening of -1 m must not"),
     ],
 )

@@ -23,8 +23,9 @@ from bench.echo.workload import (
     to_args,
 )
 from bench.loop import LoopBench, bars, work_tables
-from bench.loop_tables import BUSY, DECIDING, EVERY_STATE, OURS, PLAIN
+from bench.loop_tables import BUSY, DECIDING, EVERY_STATE, OURS, PAGE_OPEN, PLAIN
 from bench.machine import busy_cores
+from bench.msma_runs import VIEWER
 from bench.usage import Usage, cpu_seconds, is_alive
 from runtime.wire import topics
 from runtime.wire.messages import (
@@ -35,8 +36,8 @@ from runtime.wire.messages import (
     Message,
     PlatformCommand,
     PlatformPose,
-    pack,
 )
+from runtime.wire.packing import stamped
 from studies.study import Progress
 from tests.runtime.conftest import wait_for
 
@@ -46,14 +47,16 @@ BY, N, T = 1 << 62, 1000, 1.234
 def test_the_echo_sends_messages_of_the_real_sizes() -> None:
     three, four, six = (0.1, 0.1, 0.1), (0.5,) * 4, (0.1,) * 6
     ours: dict[str, Message] = {
-        topics.PLATFORM: PlatformPose(T, 0.1, 0.1, 0.1, by=BY, n=N),
-        topics.HAND: EndEffectorPose(T, three, four, by=BY, n=N),
-        topics.JOINTS: JointStates(T, six, six, by=BY, n=N),
+        topics.PLATFORM: PlatformPose(T, 0.1, 0.1, 0.1),
+        topics.HAND: EndEffectorPose(T, three, four),
+        topics.JOINTS: JointStates(T, six, six),
     }
-    assert {key: len(pack(message_)) for key, message_ in ours.items()} == STATES
-    assert len(pack(JointCommand(T, 0.1, by=BY, n=N))) == JOINT_COMMAND_SIZE
-    assert len(pack(PlatformCommand(T, 0.1, 0.1, by=BY, n=N))) == PLATFORM_COMMAND_SIZE
-    assert len(pack(GoalMessage(T, three, three, 0.1, 24.0, by=BY, n=N))) == GOAL_SIZE
+    joint, platform = topics.joint_command(1), topics.PLATFORM_COMMAND
+    answers = {joint: JOINT_COMMAND_SIZE, platform: PLATFORM_COMMAND_SIZE, topics.GOAL: GOAL_SIZE}
+    ours[joint], ours[platform] = JointCommand(T, 0.1), PlatformCommand(T, 0.1, 0.1)
+    ours[topics.GOAL] = GoalMessage(T, three, three, 0.1, 24.0)
+    sizes = {key: len(stamped(message_, BY, N, key)) for key, message_ in ours.items()}
+    assert sizes == STATES | answers
     assert [command_key(role) for role in AGENTS] == [
         *(topics.joint_command(number) for number in range(1, 7)), topics.PLATFORM_COMMAND,
     ]  # fmt: skip
@@ -74,18 +77,19 @@ def test_a_spec_survives_the_command_line() -> None:
 
 def test_all_systems_answer_and_are_measured(tmp_path: Path) -> None:
     # at a rate that a busy machine holds too, even with a decision on every state
-    bench = LoopBench({200: 1.0}, rounds=1, detailed={200})
+    bench = LoopBench({200: 1.0}, rounds=1, detailed={200}, with_page={200})
     result = bench.measure(1.0, Progress())
     assert result.sound, result.checks
     sides = result.data["200"]
-    assert set(sides) == {OURS, PLAIN, DECIDING, EVERY_STATE, BUSY}
-    for (found,) in sides.values():
+    assert set(sides) == {OURS, PLAIN, DECIDING, EVERY_STATE, BUSY, PAGE_OPEN}
+    for side, (found,) in sides.items():
         assert found["ticks"]["ticks"] + found["ticks"]["missed"] == 200
         assert all(found["ticks"]["heard"].values())
-        assert set(found["usage"]) == set(ROLES)
+        more = {"hmi", VIEWER} if side == PAGE_OPEN else set()
+        assert set(found["usage"]) == {*ROLES, *more}
         assert all(usage["pss"] > 1e6 for usage in found["usage"].values())
     times, costs, _ = result.tables
-    assert len(times.rows) == len(costs.rows) == 5
+    assert len(times.rows) == len(costs.rows) == 6
     (picture,) = bench.draw(result, tmp_path)
     assert picture.stat().st_size > 5000
 

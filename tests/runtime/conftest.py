@@ -21,7 +21,8 @@ from runtime.results.run_log import read_run_log
 from runtime.wire import topics
 from runtime.wire.bus import Bus
 from runtime.wire.mesh import on_loopback, port_base
-from runtime.wire.messages import Diag, unpack
+from runtime.wire.messages import Diag
+from runtime.wire.packing import unpack
 from tests.ports import reserve_any, reserve_free
 
 ROOT = Path(__file__).parents[2]

@@ -22,6 +22,8 @@ def test_the_paper_s_task_is_done_and_nothing_is_left_but_the_record(robot: Robo
     assert robot.processes() == {}
     assert "goal reached" in said
     summary = robot.summary
+    assert "plant: plant.kinematic:KinematicPlant" in said
+    assert summary["plant"] == "plant.kinematic:KinematicPlant"
     evaluation = summary["evaluation"]
     assert evaluation["tracking"]["worst"] < robot.follows
     assert evaluation["platform"]["least_speed"] > -1e-6

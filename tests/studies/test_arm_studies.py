@@ -14,6 +14,7 @@ from plant.kinematics import Kinematics
 from plant.urdf import load
 from studies import no_model, study_verb
 from studies.arm_batch import ArmAgents, Coupling, reach
+from studies.baselines.fixed_step import FixedStepAgent
 from studies.broken_joints import PAPER_BROKEN, PAPER_START, paper_case, ten_pairs
 from studies.encoder_faults import one as with_encoder_fault
 from studies.no_model import Case, all_cases, seven, ur5
@@ -36,7 +37,7 @@ def test_in_the_papers_case_the_whole_area_is_reached(perception: Any) -> None:
 
 def test_a_fixed_step_ends_in_limit_cycles() -> None:
     goals = grid(ring(ARM, PAPER_START, PAPER_BROKEN), 60)
-    reached = paper_case(ARM, goals, "blackboard", "fixed-step", np.radians(5.0))
+    reached = paper_case(ARM, goals, "blackboard", 300, make=FixedStepAgent, step=np.radians(5.0))
     assert (reached.settled < 0.001).mean() < 0.2
     assert (reached.history.min(axis=0) < 0.1).mean() > 0.8
 

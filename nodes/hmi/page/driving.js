@@ -1,4 +1,4 @@
-// What each button means: the jog of a move in a mode, for a part, in a frame. Pure.
+// What each button means: the jog of a move in a mode, in a frame. Pure.
 
 const HAND = {
   "forward": [1, 0, 0, 0, 0, 0],
@@ -31,6 +31,7 @@ const HOLONOMIC = {
   "yaw-right": [0, -1, 0],
 };
 const JOINT = { up: [1], down: [-1] };
+const OWN = /^(joint\/\d+)([+-])$/; // a button of one joint alone
 const GRIP = { open: 1, close: -1 };
 
 export const MOVES = [...Object.keys(HAND), ...Object.keys(GRIP)];
@@ -38,20 +39,48 @@ export const STEP = 0.02; // [m] of a bounded step
 export const STEP_TURN = (5 * Math.PI) / 180; // [rad] of a bounded step that only turns
 export const SPEEDS = { slow: 0.25, medium: 0.5, fast: 1 }; // shares of the limits
 
-/** The part that the buttons move: the hand in shared mode, else what was chosen. */
-export function partOf(mode, part) {
-  return mode === "manual" ? part : "hand";
+/** The moves of the buttons of each joint alone, of which there is one set in manual mode. */
+export function jointMoves(hello) {
+  return hello.joints.flatMap((_, i) => [`joint/${i + 1}-`, `joint/${i + 1}+`]);
 }
 
+/** The joint, counted from 1, whose own button a move is; null for any other button. */
+export function jointOf(move) {
+  const own = OWN.exec(move);
+  return own && Number(own[1].slice(6));
+}
+
+/**
+ * The part that a button moves: in shared mode the hand. In manual mode there are two sets of
+ * buttons, of the platform and of the joints; Up and Down move `joint`, the one that was used last.
+ */
+export function partOf(mode, move, joint, hello) {
+  if (mode !== "manual") return "hand";
+  const own = OWN.exec(move);
+  if (own) return own[1];
+  return move in JOINT || hello.base === "fixed" ? `joint/${joint}` : "platform";
+}
+
+/** What the buttons of a part do. */
 function table(part, base) {
   if (part === "hand") return HAND;
   if (part === "platform") return base === "holonomic" ? HOLONOMIC : DIFFERENTIAL;
   return JOINT;
 }
 
-/** Whether a button moves a part of this robot (`hello`). */
-export function moves(move, part, hello) {
-  return move in GRIP ? hello.gripper : move in table(part, hello.base);
+/** A button's name in the table of its part. */
+function nameIn(move) {
+  const own = OWN.exec(move);
+  if (!own) return move;
+  return own[2] === "+" ? "up" : "down";
+}
+
+/** Whether a button moves something of this robot (`hello`) in a mode. */
+export function moves(move, mode, joint, hello) {
+  if (move in GRIP) return hello.gripper;
+  const part = partOf(mode, move, joint, hello);
+  if (part.startsWith("joint/") && hello.joints.length === 0) return false;
+  return nameIn(move) in table(part, hello.base);
 }
 
 /** Whether a move of a part only turns, so that its steps are angles. */
@@ -71,21 +100,25 @@ export function targetFields({ position, orientation }, view) {
 /**
  * Return the fields of the jog of one move.
  *
- * `view` is what the person chose: mode, part, frame, camera heading [rad], speed, style.
+ * `view` is what the person chose: mode, joint, frame, camera heading [rad], speed, style.
  */
 export function jogFields(move, view, hello) {
-  const part = partOf(view.mode, view.part);
-  const still = table(part, hello.base)[Object.keys(table(part, hello.base))[0]].map(() => 0);
+  const part = partOf(view.mode, move, view.joint, hello);
+  const rows = table(part, hello.base);
   const share = SPEEDS[view.speed];
-  const own = move in GRIP ? still : table(part, hello.base)[move].map((one) => one * share);
+  const own = (rows[nameIn(move)] ?? Object.values(rows)[0].map(() => 0)).map((one) => one * share);
   const fields = { ...asFrame(view), part, speeds: own, grip: GRIP[move] ?? 0 };
   if (view.style === "step") fields.step = stepOf(move, part, hello);
   return fields;
 }
 
-/** Return the fields of the jog of a joystick: deflections -1 to 1 by move, the larger wins. */
+/**
+ * Return the fields of the jog of a joystick: deflections -1 to 1 by move. In manual mode one part
+ * moves at a time: that of the largest deflection.
+ */
 export function stickFields(deflections, view, hello) {
-  const part = partOf(view.mode, view.part);
+  const most = (one, other) => (deflections[other] > deflections[one] ? other : one);
+  const part = partOf(view.mode, Object.keys(deflections).reduce(most), view.joint, hello);
   const rows = table(part, hello.base);
   const share = SPEEDS[view.speed];
   const speeds = Object.values(rows)[0].map(() => 0);

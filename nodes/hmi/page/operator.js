@@ -1,6 +1,7 @@
 // The operator's view: connects the parts of the page with each other and with the robot.
 import { choices } from "./choices.js";
-import { MOVES, jogFields, moves, partOf, stickFields, targetFields } from "./driving.js";
+import { Arm } from "./arm.js";
+import { MOVES, jogFields, jointOf, moves, stickFields, targetFields } from "./driving.js";
 import { Pad } from "./gamepad.js";
 import { holdButton, watchWindow } from "./holding.js";
 import { Link } from "./link.js";
@@ -41,8 +42,7 @@ const picture = new Picture(link, { marked: (position) => marker.put(position, t
 const settings = new Settings(find("settings-body"), (name) => chosen(name));
 const chose = settings.settings;
 let hello = null;
-let part = "platform";
-let partChoices = null;
+let joint = 1; // the one that was used last
 let limitChoices = null;
 
 const mode = () => bar.state?.gate?.mode ?? null;
@@ -57,6 +57,7 @@ const places = new Places({
   before: () => isTarget(presses.held?.move ?? null) && presses.end("press.lost"),
 });
 const marker = new Marker({ moved: (position) => picture.mark(position), hand, hold });
+const arm = new Arm({ hold });
 
 // What the buttons do
 
@@ -84,7 +85,7 @@ function hinders(move) {
   }
   if (gate.mode !== "shared" && gate.mode !== "manual") return ["move.rest", {}];
   if ((move === "open" || move === "close") && !hello.gripper) return ["move.gripper", {}];
-  if (move !== null && !moves(move, partOf(gate.mode, part), hello)) {
+  if (move !== null && !moves(move, gate.mode, joint, hello)) {
     return ["move.part", { button: word(`move.${move}`) }];
   }
   return null;
@@ -92,7 +93,7 @@ function hinders(move) {
 
 function view(style) {
   const heading = chose.frame === "seat" ? chose.seatHeading : picture.heading;
-  return { mode: mode(), part, frame: chose.frame, heading, speed: chose.speed, style };
+  return { mode: mode(), joint, frame: chose.frame, heading, speed: chose.speed, style };
 }
 
 function press(source, move) {
@@ -108,6 +109,7 @@ function press(source, move) {
     }
   }
   const style = styleOf(source, move);
+  if (presses.held === null) joint = jointOf(move) ?? joint;
   const fields = presses.held === null ? fieldsOf(move, style) : null;
   presses.down(source, move, style, fields, chose.seconds, performance.now());
 }
@@ -209,24 +211,6 @@ const modeChoices = choices(
   },
 );
 
-function showParts() {
-  const all = [...(hello.base === "fixed" ? [] : ["platform"]), ...hello.joints.map((_, i) => `joint/${i + 1}`)];
-  if (!all.includes(part)) [part] = all;
-  const text = (each) =>
-    each === "platform" ? word("part.platform") : word("part.joint", { n: each.slice(6) });
-  partChoices = choices(
-    find("part"),
-    all.map((value) => ({ value, text: () => text(value) })),
-    (wanted) => {
-      presses.end("press.released");
-      part = wanted;
-      partChoices.set(part);
-      show();
-    },
-  );
-  partChoices.set(part);
-}
-
 function showLimits() {
   const possible = LIMITS.filter((mm) => mm <= 1000 * hello.limits.speed + 1e-6);
   limitChoices = choices(
@@ -244,13 +228,11 @@ function modeText(shown) {
   return word(`mode.${shown}.text`);
 }
 
+/** What the buttons of the platform do in manual mode, and Up and Down. */
 function partText() {
   if (mode() !== "manual" || !hello) return "";
-  if (part === "platform") {
-    return word(hello.base === "holonomic" ? "part.holonomic.text" : "part.platform.text");
-  }
-  const n = Number(part.slice(6));
-  return word(hello.joints[n - 1].slides ? "part.slide.text" : "part.joint.text", { n });
+  const platform = hello.base === "fixed" ? "" : `${word(`part.${hello.base}.text`)} `;
+  return platform + (hello.joints.length > 0 ? word("part.joint.text", { n: joint }) : "");
 }
 
 /** Show what follows from mode, part and settings. */
@@ -259,8 +241,10 @@ function show() {
   modeChoices.set(gate?.mode ?? null);
   limitChoices?.set(gate ? Math.round(1000 * gate.limit) : null);
   put(find("mode-text"), modeText(gate?.mode));
-  find("part-row").hidden = gate?.mode !== "manual";
+  const manual = gate?.mode === "manual";
   put(find("part-text"), partText());
+  find("arm-pad").hidden = !manual || !hello?.joints.length;
+  find("turn-pad").hidden = manual && hello?.base !== "holonomic";
   const why = hinders(null);
   const how = { s: number(chose.seconds), cm: 2, deg: 5 };
   put(find("move-text"), why ? word(...why) : word(`move.${chose.style}`, how));
@@ -291,7 +275,8 @@ function names() {
 link.on("hello", (message) => {
   hello = message;
   offerLanguages(find("language"), hello.language);
-  showParts();
+  if (joint > hello.joints.length) joint = 1;
+  arm.take(hello);
   showLimits();
   places.take(hello.places, hello.tasks);
   find("to-engineer").hidden = hello.role !== "engineer";

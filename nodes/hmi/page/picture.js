@@ -6,6 +6,7 @@ import { number, word } from "./words.js";
 const WORDS = 500; // [ms] from one text to the next
 const TURN = Math.PI / 8;
 const ZOOM = 1.25;
+const NEAREST = 3; // things that are named
 
 const find = (id) => document.getElementById(id);
 
@@ -95,7 +96,7 @@ export class Picture {
   }
 
   #words() {
-    const { hand, base, error } = this.state;
+    const { hand, base, error, things } = this.state;
     if (hand === null) return word("picture.unknown");
     const [x, y, heading] = base ?? [0, 0, 0];
     const [dx, dy] = [hand.position[0] - x, hand.position[1] - y];
@@ -105,8 +106,16 @@ export class Picture {
       word(`picture.${value >= 0 ? plus : minus}`, { d: number(Math.abs(value), 2) });
     const forward = way(ahead, "ahead", "behind");
     const side = way(left, "left", "right");
-    const text = word("picture.hand", { forward, side, z: number(hand.position[2], 2) });
-    if (error === null) return text;
-    return `${text} ${word("picture.error", { mm: number(1000 * error) })}`;
+    const text = [word("picture.hand", { forward, side, z: number(hand.position[2], 2) })];
+    if (error !== null) text.push(word("picture.error", { mm: number(1000 * error) }));
+    if (things.length > 0) text.push(word("picture.things", { list: nearest(hand, things) }));
+    return text.join(" ");
   }
+}
+
+/** Return the names of the things whose middles are nearest to the hand, with how far they are. */
+function nearest({ position }, things) {
+  const far = ({ name, pose }) => [Math.hypot(...pose.position.map((x, i) => x - position[i])), name];
+  const sorted = things.map(far).sort(([one], [other]) => one - other);
+  return sorted.slice(0, NEAREST).map(([d, name]) => `${name} ${number(d, 2)} m`).join(", ");
 }

@@ -1,4 +1,5 @@
 // The 3D picture: the robot from its shapes, the trace of the hand, goal and marker. z is up.
+import { Things, geometryOf } from "./things.js";
 import * as three from "./vendored/three.js";
 
 const TRACE = 600; // points of the trace
@@ -31,6 +32,7 @@ export class Scene {
       this.dirty = true;
       lost(false);
     });
+    this.things = new Things(this.scene);
     this.#light();
     this.#marks();
     this.#controls(moved);
@@ -140,11 +142,8 @@ export class Scene {
       (frame < 0 ? this.world : this.frames[frame]).add(solid);
       this.dirty = true;
     };
-    if (kind === "box") place(new three.BoxGeometry(...size));
-    else if (kind === "sphere") place(new three.SphereGeometry(size[0], 24, 16));
-    else if (kind === "cylinder") {
-      place(new three.CylinderGeometry(size[0], size[0], size[1], 32).rotateX(Math.PI / 2));
-    } else if (mesh.toLowerCase().endsWith(".stl")) {
+    if (kind !== "mesh") place(geometryOf(kind, size));
+    else if (mesh.toLowerCase().endsWith(".stl")) {
       new three.STLLoader().load(mesh, place, undefined, () => {});
     }
   }
@@ -161,10 +160,11 @@ export class Scene {
   }
 
   /** Take a state; it is painted by the next `paint`. */
-  show({ q, base, hand, goal }) {
+  show({ q, base, hand, goal, things }) {
     if (!this.robot) return;
     this.#pose(q);
     if (base) this.#carry(base);
+    this.things.show(things);
     this.hand.visible = hand !== null;
     if (hand !== null) {
       put(this.hand, hand);

@@ -2,6 +2,7 @@
 // the picture, and what was refused. Everybody may stop.
 import { STALLED } from "./link.js";
 import { Stop } from "./stop.js";
+import { buildStopBar } from "./stopparts.js";
 import { number, word } from "./words.js";
 
 const SAID = 8000; // [ms] for which what was said stays to be read
@@ -12,6 +13,7 @@ const find = (id) => document.getElementById(id);
 /** Connects the bar to a link; `before()` is called before a STOP is sent. */
 export class StopBar {
   constructor(link, { before = () => {} } = {}) {
+    buildStopBar();
     this.link = link;
     this.hello = null;
     this.state = null;

@@ -23,9 +23,9 @@ def open_socket(
     """Open the socket as the page does; `options` replace what a browser would send."""
     headers = {"Cookie": f"msma-{address.port}={token or address.operator}"}
     options = {"origin": address.origin, "additional_headers": headers} | options
-    host = address.origin.partition("://")[2]
+    url = address.origin.replace("http", "ws", 1)
     opened: AbstractContextManager[ClientConnection] = connect(
-        f"ws://{host}/socket", compression=None, **options
+        f"{url}/socket", compression=None, **options
     )
     return opened
 
@@ -82,6 +82,13 @@ class Browser:
         id_, answer = self.ids, "halted" if kind == "halt" else "done"
         self.send(kind, id=id_, **fields)
         return self.wait(answer, lambda one: one["id"] == id_)
+
+    def begin(self, mode: str, limit: float | None = None) -> None:
+        """Choose a mode, and perhaps a limit [m/s]: a plant that is busy is asked again."""
+        wait_for(lambda: self.ask("mode", mode=mode)["ok"], f"mode {mode}")
+        if limit is not None:
+            wait_for(lambda: self.ask("limit", limit=limit)["ok"], "the limit")
+            self.wait_state(lambda one: one["gate"]["limit"] == limit, "the limit")
 
     def wait(
         self, kind: str, fits: Callable[[Message], bool] = lambda _: True, timeout: float = 20.0

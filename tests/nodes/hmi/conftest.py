@@ -15,6 +15,18 @@ from runtime.results.run_log import RunLog, read_run_log
 from tests.nodes.hmi.client import Browser, Message
 from tests.runtime.conftest import DEADLINE, ROOT, RUN_DEADLINE, Robot, wait_for
 
+WEB = """
+import sys
+from argparse import ArgumentParser
+from nodes.hmi import web_verb as web
+from runtime.errors import exit_code
+
+parser = ArgumentParser()
+web.add_arguments(parser)
+sys.exit(exit_code(lambda: web.run(parser.parse_args())))
+"""
+"""`msma web`, found even if the tree is not installed."""
+
 
 class WebRobot(Robot):
     """A robot with a page."""
@@ -27,13 +39,22 @@ class WebRobot(Robot):
         wait_for(lambda: list(self.folder.glob("runs/*/page.json")), "the page")
         return self.address
 
+    def start_web(self, *arguments: str) -> Address:
+        """Start it by `msma web`, and wait for its page."""
+        command = [sys.executable, "-c", WEB, *arguments, "--robot", self.name]
+        pipe = subprocess.PIPE
+        self._started.append(
+            subprocess.Popen(
+                command, cwd=self.folder, env=self.environment, stdout=pipe, stderr=pipe, text=True
+            )
+        )
+        wait_for(lambda: list(self.folder.glob("runs/*/page.json")), "the page")
+        return self.address
+
     def msma_web(self, *arguments: str) -> subprocess.CompletedProcess[str]:
-        """Call `msma web`, found even if the tree is not installed."""
-        call = "import sys; from nodes.hmi import web_verb as web; from argparse import *"
-        call += "; parser = ArgumentParser(); web.add_arguments(parser)"
-        call += "; sys.exit(web.run(parser.parse_args()))"
+        """Call `msma web` and wait for its end."""
         return subprocess.run(
-            [sys.executable, "-c", call, *arguments],
+            [sys.executable, "-c", WEB, *arguments],
             cwd=self.folder,
             env=self.environment,
             capture_output=True,

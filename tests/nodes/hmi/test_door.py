@@ -16,7 +16,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from nodes.hmi.address import Address, new_address
 from nodes.hmi.door import Door
 from nodes.hmi.doorkeeper import Doorkeeper
-from nodes.hmi.protocol import LARGEST, Role
+from nodes.hmi.protocol.values import LARGEST, Role
 from tests.nodes.hmi.client import open_socket
 from tests.runtime.conftest import wait_for
 

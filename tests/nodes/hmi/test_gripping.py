@@ -9,13 +9,14 @@ import pytest
 from msgspec.structs import replace
 
 from nodes.hmi.gripping import WantedGrip, fits_gripper, grip_speed
-from nodes.hmi.protocol import Jog
+from nodes.hmi.protocol.incoming import Jog
 from plant.robot import Gripper
 from plant.urdf import load
 from runtime.wire import topics
 from runtime.wire.bus import Bus
 from runtime.wire.mesh import on_loopback, port_base
-from runtime.wire.messages import GripperState, unpack_valid
+from runtime.wire.messages import GripperState
+from runtime.wire.packing import unpack_valid
 from tests.nodes.hmi.client import Browser
 from tests.nodes.hmi.conftest import WebRobot
 from tests.nodes.hmi.test_driving import SEEN, SHARED, Case
@@ -158,7 +159,7 @@ def test_fingers_move_while_a_button_is_held_and_stop_when_it_is_let_go(
         gripper = Watched(web_robot, stack)
         browser = stack.enter_context(Browser(address))
         assert browser.last["hello"]["gripper"]
-        assert browser.ask("mode", mode="shared")["ok"]
+        browser.begin("shared")
         hold_until(browser, lambda: gripper.last.opening < 0.09, grip=-0.2)
         still = gripper.after(0.3).opening
         assert 0.0 < still < 0.09
@@ -167,10 +168,10 @@ def test_fingers_move_while_a_button_is_held_and_stop_when_it_is_let_go(
         still = gripper.after(0.3).opening
         assert gripper.after(1.0).opening == still
 
-        assert browser.ask("mode", mode="manual")["ok"]
+        browser.begin("manual")
         more = {"mode": "manual", "part": "platform"}
+        hold_until(browser, lambda: gripper.last.opening < still - 0.005, grip=-0.2, **more)
         with browser.holding(0.0, 0.0, grip=-0.2, **more):
-            wait_for(lambda: gripper.last.opening < still - 0.005, "the fingers to close")
             assert browser.ask("halt")["confirmed"]
             halted = gripper.after(0.3).opening
         assert gripper.after(1.0).opening == halted > 0.0

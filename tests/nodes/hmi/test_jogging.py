@@ -3,12 +3,9 @@ import math
 import numpy as np
 import pytest
 
-from agents.attitude import product, rotation_by, turn_between
+from agents.attitude import rotation_by
 from nodes.hmi.jogging import (
-    LEASH,
-    LEASH_TURN,
     Hand,
-    LedGoal,
     Motion,
     PartSpeeds,
     Place,
@@ -19,7 +16,8 @@ from nodes.hmi.jogging import (
     step_done,
     way_between,
 )
-from nodes.hmi.protocol import Frame, Jog
+from nodes.hmi.protocol.incoming import Jog
+from nodes.hmi.protocol.values import Frame
 from plant.robot import Robot
 from plant.urdf import load
 
@@ -73,90 +71,6 @@ def test_in_the_gripper_s_frame_forward_is_where_the_grip_points() -> None:
 
 def test_the_grip_points_along_the_axis_that_the_tip_lies_on(arph: Robot) -> None:
     assert grip_axes(arph) == pytest.approx(np.eye(3))
-
-
-def lead(
-    goal: LedGoal, how: Motion, seconds: float, hand: Hand = START, since: float = 0.0
-) -> Hand:
-    for turn in range(1, round(seconds / 0.05) + 1):
-        piece = goal.advance(how, hand, since + turn * 0.05)
-    return piece.pose
-
-
-def test_the_goal_begins_where_the_hand_is_and_goes_with_the_button() -> None:
-    goal = LedGoal(START, 0.0, LEASE)
-    assert goal.advance(FORWARD, START, 0.0).pose.position == pytest.approx(START.position)
-    ahead = lead(goal, FORWARD, 0.2).position - START.position
-    assert ahead == pytest.approx((0.03, 0, 0))
-
-
-def test_the_goal_is_never_further_from_the_hand_than_the_leash() -> None:
-    goal = LedGoal(START, 0.0, LEASE)
-    ahead = lead(goal, FORWARD, 5.0).position - START.position
-    assert ahead == pytest.approx((LEASH, 0, 0))
-    turned = lead(LedGoal(START, 0.0, LEASE), YAW, 5.0)
-    assert turn_between(UPRIGHT, turned.orientation) == pytest.approx((0, 0, LEASH_TURN))
-
-
-def test_the_goal_waits_on_its_line_for_a_hand_that_strays_from_it() -> None:
-    goal = LedGoal(START, 0.0, LEASE)
-    strays = Hand(START.position + np.array([0.02, 0.04, 0.0]), UPRIGHT)
-    ahead = lead(goal, FORWARD, 5.0, strays).position - START.position
-    assert ahead == pytest.approx((0.02 + math.sqrt(LEASH**2 - 0.04**2), 0, 0))
-    lost = Hand(START.position + np.array([0.02, 0.3, 0.0]), UPRIGHT)
-    off = lead(goal, FORWARD, 0.2, lost, since=5.0).position - lost.position
-    assert np.linalg.norm(off) == pytest.approx(LEASH, rel=0.2)
-
-
-def test_a_hand_that_does_not_keep_up_is_not_asked_to_turn_too() -> None:
-    tilted = Hand(START.position, rotation_by(np.array([0.2, 0.0, 0.0])))
-    goal = LedGoal(START, 0.0, LEASE)
-    near = goal.advance(FORWARD, tilted, 0.0).pose.orientation
-    assert near == pytest.approx(UPRIGHT)
-    far = lead(goal, FORWARD, 5.0, tilted).orientation
-    assert far == pytest.approx(tilted.orientation)
-
-
-def test_the_orientation_stays_as_it_was_while_the_hand_only_goes_somewhere() -> None:
-    tilted = Hand(START.position, rotation_by(np.array([0.1, -0.2, 0.3])))
-    assert lead(LedGoal(tilted, 0.0, LEASE), FORWARD, 1.0, tilted).orientation == pytest.approx(
-        tilted.orientation
-    )
-
-
-def test_the_goal_turns_about_the_axes_of_the_frame() -> None:
-    tilted = Hand(START.position, rotation_by(np.array([0.0, 0.9, 0.0])))
-    goal = LedGoal(tilted, 0.0, LEASE)
-    goal.advance(YAW, tilted, 0.0)
-    turned = lead(goal, YAW, 0.2, tilted).orientation
-    wanted = product(rotation_by(np.array([0.0, 0.0, 0.1])), tilted.orientation)
-    assert turned == pytest.approx(wanted)
-
-
-def test_after_a_gap_the_goal_has_gone_on_for_the_lease_only() -> None:
-    goal = LedGoal(START, 0.0, LEASE)
-    goal.advance(FORWARD, START, 0.0)
-    late = goal.advance(FORWARD, START, 100.0).pose.position - START.position
-    assert late == pytest.approx((0.15 * LEASE, 0, 0))
-
-
-def test_a_bounded_step_ends_exactly_there_and_once_the_hand_is_too() -> None:
-    goal = LedGoal(START, 0.0, LEASE, step=0.02)
-    goal.advance(FORWARD, START, 0.0)
-    piece = goal.advance(FORWARD, START, 0.1)
-    assert piece.lasts == pytest.approx(0.1 / 3)  # 5 mm are left
-    end = lead(goal, FORWARD, 1.0, since=0.1)
-    assert end.position - START.position == pytest.approx((0.02, 0, 0))
-    assert not goal.arrived(START)
-    assert goal.arrived(Hand(end.position + np.array([0.0, 0.001, 0.0]), UPRIGHT))
-
-
-def test_a_bounded_turn_ends_exactly_there() -> None:
-    goal = LedGoal(START, 0.0, LEASE, step=0.1)
-    goal.advance(YAW, START, 0.0)
-    end = lead(goal, YAW, 1.0)
-    assert turn_between(UPRIGHT, end.orientation) == pytest.approx((0, 0, 0.1))
-    assert goal.arrived(end)
 
 
 def manual(part: str, *speeds: float, step: float | None = None) -> Jog:

@@ -9,6 +9,7 @@ from contextlib import suppress
 from itertools import cycle
 
 import numpy as np
+import pytest
 from websockets.exceptions import ConnectionClosed
 
 from nodes.hmi.address import Address
@@ -20,12 +21,6 @@ from tests.runtime.conftest import ROOT, SOON, wait_for
 STILL = 0.001  # [m] that a hand at rest may seem to move
 STOPS_IN, STOPS_WITHIN = 0.5, 0.03  # [s] and [m] in which all is still: the bar
 LIMIT = 0.15  # [m/s] for which that holds
-
-
-def begin_shared(browser: Browser) -> None:
-    assert browser.ask("mode", mode="shared")["ok"]
-    assert browser.ask("limit", limit=LIMIT)["ok"]
-    browser.wait_state(lambda one: one["gate"]["limit"] == LIMIT, "the limit")
 
 
 def assert_rests(robot: WebRobot, since: float) -> None:
@@ -43,11 +38,15 @@ def assert_rests(robot: WebRobot, since: float) -> None:
 def test_the_hand_follows_the_button_and_rests_whatever_happens_to_the_page(
     web_robot: WebRobot,
 ) -> None:
-    address = web_robot.begin()
+    cup = '[{"name": "cup", "cylinder": [0.03, 0.1], "position": [2, 1, 0.05], "mass": 0.3}]'
+    address = web_robot.begin("--set", f"world={cup}")
     with Browser(address) as browser:
         assert browser.last["hello"]["role"] == "operator"
+        (thing,) = browser.wait_state(lambda one: one["things"], "the world")["things"]
+        assert (thing["name"], thing["kind"], thing["size"]) == ("cup", "cylinder", [0.03, 0.1])
+        assert thing["pose"]["position"] == pytest.approx([2, 1, 0.05])
         assert browser.state["gate"]["mode"] == "rest"
-        begin_shared(browser)
+        browser.begin("shared", LIMIT)
         start = np.array(browser.hand)
         with driven(browser, 0, 1, 0, 0, 0, 0, metres=0.08, camera=math.pi / 2) as state:
             way = np.array(state["hand"]["position"]) - start  # left of who looks along y is -x
@@ -78,7 +77,7 @@ def test_one_drives_and_anybody_stops_which_lasts_until_it_is_released(
 ) -> None:
     address = web_robot.begin()
     with Browser(address) as one, Browser(address, address.engineer) as other:
-        begin_shared(one)
+        one.begin("shared", LIMIT)
         with driven(one, 0, 0, 1, 0, 0, 0, metres=0.02):
             with other.holding(0, 0, -1, 0, 0, 0):
                 other.wait("said", lambda said: said["key"] == "refused.driver")
@@ -118,7 +117,7 @@ def test_a_place_is_saved_left_and_come_back_to_and_an_engineer_breaks_things(
     with Browser(address) as browser:
         assert browser.ask("save", place="mouth")["ok"]
         place = browser.wait("places")["places"]["mouth"]
-        begin_shared(browser)
+        browser.begin("shared", LIMIT)
         with driven(browser, 0, 0, 1, 0, 0, 0, metres=0.06):
             pass
 
@@ -169,7 +168,7 @@ def test_floods_and_nonsense_are_refused_counted_and_move_nothing(web_robot: Web
     ]
     nonsense = [*halves, *(json.dumps(one) for one in wild)]
     with Browser(address, address.engineer) as browser:
-        begin_shared(browser)
+        browser.begin("shared", LIMIT)
         t = browser.state["t"]
         with open_socket(address) as socket:
             for frame in [*nonsense, "\x00", '{"a":' * 500]:

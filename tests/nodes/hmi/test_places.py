@@ -3,7 +3,7 @@ from pathlib import Path
 import pytest
 
 from nodes.hmi.places import PlacesError, SavedPlaces, places_file
-from nodes.hmi.protocol import Pose
+from nodes.hmi.protocol.values import Pose
 
 MOUTH = Pose((0.3, 0.1, 1.2), (0.0, 0.0, 0.0, 1.0))
 

@@ -3,7 +3,8 @@ from msgspec.structs import replace
 
 from nodes.hmi.drivers import Drivers
 from nodes.hmi.presses import End, Pictures, Presses, Situation
-from nodes.hmi.protocol import Jog, Times
+from nodes.hmi.protocol.incoming import Jog
+from nodes.hmi.protocol.values import Times
 
 TIMES = Times()
 SHARED = Situation("shared", False, 0.1)

@@ -22,23 +22,23 @@ def report(robot: Robot) -> tuple[Path, dict[str, Any]]:
 
 
 @pytest.mark.timeout(600)
-def test_ten_runs_with_random_faults_of_any_process_all_reach_the_goal(robot: Robot) -> None:
+def test_six_runs_with_random_faults_of_any_process_all_reach_the_goal(robot: Robot) -> None:
     campaign = robot.start(
-        "chaos", FILE, "--robot", robot.name, *SHORT, "--runs", "10", "--seed", "1"
+        "chaos", FILE, "--robot", robot.name, *SHORT, "--runs", "6", "--seed", "1"
     )
     out, err = campaign.communicate(timeout=540)
     assert campaign.returncode == 0, out + err
-    assert "10 of 10 runs ended within 20.00 mm of the goal" in out
+    assert "6 of 6 runs ended within 20.00 mm of the goal" in out
     assert robot.processes() == {}
     folder, said = report(robot)
-    assert said["reached"] == 10
+    assert said["reached"] == 6
     for run in said["runs"]:
         assert len(run["chaos"]) >= 1
         # on a busy machine a watcher may start too late to be hit
         least = any(fault.split()[1].partition("@")[0] != "watcher" for fault in run["chaos"])
         assert least <= len(run["impact"]["faults"]) <= 3
-    assert said["interval"] == pytest.approx([0.722, 1.0], abs=0.001)
-    assert (folder / "chaos.md").read_text().startswith(f"# Chaos: {robot.name}, 10 runs")
+    assert said["interval"] == pytest.approx([0.610, 1.0], abs=0.001)
+    assert (folder / "chaos.md").read_text().startswith(f"# Chaos: {robot.name}, 6 runs")
     assert {path.parent for path in folder.glob("*/plant.jsonl")} == {
         Path(run["folder"]) for run in said["runs"]
     }

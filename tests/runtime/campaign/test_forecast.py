@@ -13,6 +13,7 @@ from runtime.campaign.campaign import draw
 from runtime.campaign.forecast import Forecast, forecast
 from runtime.config.chaos import ChaosEvent, fault
 from runtime.config.deployment import Deployment, Tolerance, load
+from runtime.config.overrides import Override
 from runtime.results.reach import hand_error, smallest_error
 
 DEPLOY = Path(__file__).parents[3] / "deploy"
@@ -101,3 +102,13 @@ def test_the_same_seed_draws_the_same_faults_and_all_leave_the_goal_in_reach() -
         hit = {event.role for event in each.chaos}
         assert 1 <= len(hit) <= 3
         assert "plant" not in hit
+
+
+@pytest.mark.parametrize("copies", [1, 2])
+def test_a_task_whose_source_dies_is_done_by_a_standby_alone(copies: int) -> None:
+    overrides = [Override("a test", "goal.copies", f"{copies}")]
+    fetched = replace(load(DEPLOY / "fetch.yaml", overrides), duration=45.0)
+    assert fetched.goal is not None
+    chaos = fault("goal", "kill", 5.0, 0.0)
+    killed = forecast(replace(fetched, chaos=chaos), fetched.goal.build(), 45.0)
+    assert killed.in_reach(fetched.tolerance) is (copies == 2)

@@ -8,7 +8,8 @@ from msgspec.structs import replace
 from runtime.wire import topics
 from runtime.wire.bus import Bus
 from runtime.wire.mesh import FIRST_COPY, LOOPBACK, on_loopback, port_base
-from runtime.wire.messages import EndEffectorPose, JointStates, stamped, unpack
+from runtime.wire.messages import EndEffectorPose, JointStates
+from runtime.wire.packing import stamped, unpack
 from tests.runtime.conftest import Robot
 
 HUGE = 5e8  # [s]

@@ -414,3 +414,36 @@ def test_a_garbled_file_is_read_or_refused_in_one_line(corner: Path, data: st.Da
     else:
         return
     assert re.match(rf"{corner}/garbled.yaml:\d+:\d+: .+$", said)
+
+
+@pytest.mark.parametrize(
+    ("names", "taken"),
+    [
+        ("[extra:Missing, plant.kinematic:KinematicPlant]", "plant.kinematic:KinematicPlant"),
+        ("[plant.kinematic:KinematicPlant, extra:Missing]", "plant.kinematic:KinematicPlant"),
+        ("[]", r"x.yaml:3:16: plant\.class: is empty; name a class, such as"),
+        ("[extra:Missing]", r"module extra cannot be imported: .*needs another"),
+        ("[wrong:Name, plant.kinematic:KinematicPlant]", r"x.yaml:3:17: .* no module 'wrong'"),
+    ],
+)
+def test_of_a_list_of_classes_the_first_that_is_installed_counts(
+    folder: Path, names: str, taken: str
+) -> None:
+    (folder / "extra.py").write_text("raise ImportError('it needs another package')\n")
+    head, rest = GOOD.split("\n", 2)[:2], GOOD.split("\n", 2)[2]
+    file = write("\n".join([*head, f"plant: {{class: {names}}}", rest]))
+    if not taken.endswith("KinematicPlant"):
+        with pytest.raises(ConfigError, match=taken):
+            load(file)
+    else:
+        plant = load(file).plant.class_
+        assert plant.name == taken
+        assert load(write(load(file).dump(), "again.yaml")).plant.class_ == plant
+
+
+def test_a_goal_may_have_a_standby() -> None:
+    goal = "  class: agents.paths:Line\n"
+    loaded = load(write(GOOD.replace(goal, f"{goal}  copies: 2\n")))
+    assert [each.copy for each in loaded.processes if each.role == "goal"] == [False, True]
+    with pytest.raises(ConfigError, match=r"goal\.host: 2 hosts but copies: 1"):
+        load(write(GOOD.replace(goal, f"{goal}  host: [local, local]\n")))

@@ -35,8 +35,9 @@ from contextlib import suppress
 
 from runtime.processes.node import Context, Node
 from runtime.wire import topics
-from runtime.wire.messages import EndEffectorPose, GoalMessage, unpack_valid
+from runtime.wire.messages import EndEffectorPose, GoalMessage
 from runtime.wire.operator_messages import JogMessage
+from runtime.wire.packing import unpack_valid
 
 
 class Page(Node):

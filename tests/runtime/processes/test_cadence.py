@@ -10,7 +10,8 @@ import pytest
 from agents.agent import Agent, Percepts
 from runtime.processes.timing import Cadence, apart
 from runtime.wire import topics
-from runtime.wire.messages import JointCommand, unpack
+from runtime.wire.messages import JointCommand
+from runtime.wire.packing import unpack
 from tests.runtime.conftest import ProcessGroup, wait_for
 from tests.runtime.in_process import live_as_joint_1
 

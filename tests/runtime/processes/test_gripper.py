@@ -11,7 +11,7 @@ import pytest
 from runtime.config.deployment import load
 from runtime.config.tree import ConfigError
 from runtime.wire.security import access_list
-from tests.runtime.conftest import ROOT, Robot, wait_for
+from tests.runtime.conftest import DEADLINE, ROOT, Robot, wait_for
 
 ARPH = (ROOT / "deploy" / "arph.yaml").read_text().partition("start:")[0].replace("24 s", "600 s")
 FILE = f"""{ARPH}
@@ -25,7 +25,7 @@ goal:
   class: agents.paths:Waypoints
   points: [[418.5 mm, -18 cm, 921.8 mm], [418.5 mm, -18 cm, 1.05 m]]
   speed: 5 cm/s
-  rest: 4 s
+  rest: 10 s
   grip: 0 mm
 agents:
   - {{role: joint/*, class: agents.joint:JointAgent}}
@@ -60,15 +60,21 @@ def state(robot: Robot) -> dict[str, Any]:
 def test_the_cup_is_taken_and_kept_whatever_becomes_of_the_agent(robot: Robot) -> None:
     belt = "description: {file: arph, belt: {sensors: 3, noise: 0 m, spread: 60 deg}}"
     file = deployment(robot.folder, text=FILE.replace("description: arph", belt))
-    robot.start("launch", file, "--robot", robot.name, "--speed", "3")
+    launcher = robot.start("launch", file, "--robot", robot.name, "--speed", "3")
     robot.until(0.5)
     wait_for(lambda: state(robot)["holds"], "the cup to be held")
     assert state(robot)["opening"] == pytest.approx(0.06)
     killed = robot.tool("kill", "gripper")
     assert killed.returncode == 0, killed.stderr
-    robot.until(robot.t + 6.0)
-    assert robot.log("plant", "tick")[-1]["hand"][2] > 0.95, "the hand goes up without it"
+    up = "the hand to go up without it"
+    wait_for(lambda: robot.log("plant", "tick")[-1]["hand"][2] > 0.97, up)
     assert state(robot)["holds"]
+    (echo,) = robot.tool("echo", "world", "-n", "1").stdout.splitlines()
+    table, cup, _ = json.loads(echo)["objects"]
+    assert (table["name"], table["kind"], table["size"]) == ("table", "box", [0.3, 0.3, 0.04])
+    assert table["position"] == pytest.approx([0.5, -0.18, 0.85])
+    assert cup["name"] == "cup"
+    assert cup["position"][2] > 0.95, "it goes up with the hand"
     said = robot.tool("revive", "gripper")
     assert said.returncode == 0, said.stderr
     robot.until(robot.t + 2.0)
@@ -85,6 +91,14 @@ def test_the_cup_is_taken_and_kept_whatever_becomes_of_the_agent(robot: Robot) -
     wait_for(lambda: not state(robot)["holds"], "the cup to be dropped")
     (echo,) = robot.tool("echo", "platform/ranges", "-n", "1").stdout.splitlines()
     assert json.loads(echo)["ranges"][1] is None
+    assert robot.tool("stop").returncode == 0
+    launcher.communicate(timeout=DEADLINE)
+    lost = robot.summary["evaluation"]["lost"]
+    assert lost["object"] == "cup"
+    assert lost["position"][2] < 0.95, "it lies on the table"
+    assert "the gripper does not hold the cup any more" in (
+        event["text"] for event in robot.summary["events"]
+    )
 
 
 def test_what_the_platform_touches_is_in_the_summary(robot: Robot) -> None:
@@ -126,6 +140,10 @@ def test_a_belt_that_cannot_be_is_refused_with_its_line(tmp_path: Path) -> None:
 
 def test_a_cup_is_fetched_though_goal_source_and_gripper_agent_are_killed(robot: Robot) -> None:
     more = (
+        "--set",
+        "plant.class=plant.kinematic:KinematicPlant",  # which keeps pace on a busy machine
+        "--set",
+        "goal.copies=1",
         "--kill",
         "goal@14",
         "--revive",
@@ -144,3 +162,19 @@ def test_a_cup_is_fetched_though_goal_source_and_gripper_agent_are_killed(robot:
 
     wait_for(is_there, "the cup to be at the mouth")
     assert state(robot)["holds"]
+    assert [each["holds"] for each in robot.log("plant", "gripper")] == [True]
+
+
+def test_a_standby_goes_on_with_the_task_of_a_goal_source_that_is_killed(robot: Robot) -> None:
+    kinematic = "plant.class=plant.kinematic:KinematicPlant"
+    more = ("--set", kinematic, "--kill", "goal@5", "--duration", "600s")
+    robot.launch("--speed", "4", *more, file="fetch.yaml")
+    robot.until(7.0)
+    assert len(robot.log("goal", "start")) == 2
+
+    def is_held() -> bool:
+        return bool(robot.log("plant", "gripper"))
+
+    wait_for(is_held, "the cup to be taken")
+    goal = robot.log("plant", "tick")[-1]
+    assert math.dist(goal["hand"][:2], (1.28, -0.2)) < 0.05

@@ -10,7 +10,8 @@ import pytest
 from runtime.processes.log_writer import LogError, LogWriter, new_run_folder, numbered_parts
 from runtime.results.logs import log_lines, read_log
 from runtime.wire import topics
-from runtime.wire.messages import Diag, Spread, pack
+from runtime.wire.messages import Diag, Spread
+from runtime.wire.packing import pack
 from tests.runtime.conftest import ProcessGroup
 
 

@@ -14,9 +14,8 @@ from runtime.wire.messages import (
     JointStates,
     Message,
     PlatformPose,
-    pack,
-    stamped,
 )
+from runtime.wire.packing import pack, stamped
 from runtime.wire.refusals import UNKNOWN_KEYS, Reason, Refusals
 from runtime.wire.samples import Sample
 

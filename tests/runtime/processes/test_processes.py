@@ -18,8 +18,8 @@ from runtime.wire.messages import (
     JointCommand,
     JointStates,
     PlatformPose,
-    unpack,
 )
+from runtime.wire.packing import unpack
 from tests.runtime.conftest import SOON, ProcessGroup, wait_for
 
 ARM = ("joint/1", "joint/2", "joint/3")

@@ -15,6 +15,7 @@ from agents.attitude import rotation_by
 from agents.markers import Aim
 from plant.kinematics import Kinematics
 from runtime.config.deployment import Deployment, Tolerance, load
+from runtime.config.overrides import Override
 from runtime.processes.lifetime import FAILED, INTERRUPTED, OK
 from runtime.results.evaluation import evaluate
 from runtime.results.outcome import RunOutcome
@@ -111,6 +112,38 @@ def test_a_run_that_was_halted_and_went_on_is_judged_by_its_path_as_it_was_pause
         "at rest",
         "in automatic mode",
     ]
+
+
+CLOSED = "{class: agents.paths:Pose, position: [0.3 m, 0 m, 0.8 m], grip: 0 cm}"
+OPEN = CLOSED.replace("0 cm", "8 cm")
+
+
+@pytest.mark.parametrize(
+    ("goal", "held", "code", "said"),
+    [
+        (CLOSED, [True], OK, "goal reached: the hand is "),
+        (CLOSED, [True, False, True], OK, "goal reached: the hand is "),
+        (OPEN, [True, False], OK, "goal reached: the hand is "),
+        (CLOSED, [], OK, "goal reached: the hand is "),
+        (
+            CLOSED,
+            [True, False],
+            MISSED,
+            "goal missed: the cup is lost since 2.00 s, and at x 1.20 m, y -0.10 m, its middle "
+            "0.03 m above the floor; the hand is 1.00 mm off ",
+        ),
+    ],
+)
+def test_what_the_gripper_should_hold_at_the_end_and_does_not_is_lost(
+    goal: str, held: list[bool], code: int, said: str
+) -> None:
+    deployment = load(ROOT / "deploy" / "arph.yaml", [Override("a test", "goal", goal)])
+    grip = {"event": "gripper", "object": "cup", "opening": 0.06}
+    grips = [{**grip, "t": float(t), "holds": holds} for t, holds in enumerate(held, 1)]
+    place = {"event": "lost", "t": 24.0, "object": "cup", "position": [1.2, -0.1, 0.03]}
+    made = run_log(deployment, 0.001)
+    summary = outcome(deployment, replace(made, events=[*grips, place, *made.events]))
+    assert (summary.code, summary.headline[: len(said)]) == (code, said)
 
 
 def test_where_a_person_drove_the_hand_is_not_judged(deployment: Deployment) -> None:

@@ -12,7 +12,8 @@ from runtime import VERSION
 from runtime.wire import topics
 from runtime.wire.bus import Bus
 from runtime.wire.mesh import ALL_BASES, on_loopback, port_base
-from runtime.wire.messages import Diag, Spread, stamped
+from runtime.wire.messages import Diag, Spread
+from runtime.wire.packing import stamped
 from tests.ports import reserve_any, reserve_free
 from tests.runtime.conftest import ROOT, Robot, wait_for
 

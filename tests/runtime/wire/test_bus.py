@@ -13,7 +13,8 @@ from plant.errors import MsmaError
 from runtime.wire import topics
 from runtime.wire.bus import Bus, BusError, RingSubscriber
 from runtime.wire.mesh import LOOPBACK, on_loopback
-from runtime.wire.messages import LARGEST, JointCommand, pack, unpack
+from runtime.wire.messages import JointCommand
+from runtime.wire.packing import LARGEST, pack, unpack
 from tests.runtime.conftest import ProcessGroup, wait_for
 
 KEY = topics.joint_command(1)
@@ -203,6 +204,36 @@ def test_a_question_that_is_refused_gets_the_reason(network: Network) -> None:
     here.answer(topics.FAULT, refuse)
     (answer,) = wait_for(lambda: tool.ask(topics.FAULT, b"joint/9:locked"), "an answer")
     assert (answer.data, answer.agreed) == (b"there is no such joint", False)
+
+
+def test_a_question_that_was_asked_on_another_key_is_refused(network: Network) -> None:
+    here, tool = network.join(0), network.visit()
+    asked: list[bytes] = []
+
+    def act(question: bytes) -> bytes:
+        asked.append(question)
+        return b"done"
+
+    here.answer(topics.HALT, act)
+    wait_for(lambda: tool.ask(topics.HALT), "an answer")
+    asked.clear()
+    for attachment in (topics.RELEASE, "no//key", b"\xff"):
+        replies = list(tool._session.get(topics.HALT, attachment=attachment))
+        assert [reply.err is not None for reply in replies] == [True]
+    assert asked == []
+    assert next(iter(tool._session.get(topics.HALT))).ok is not None, "a client that says nothing"
+    assert asked == [b""]
+
+
+def test_an_answer_that_was_sent_on_another_key_is_none(network: Network) -> None:
+    here, tool = network.join(0), network.visit()
+    here.answer(topics.diag("joint/1"), lambda _: b"sound")
+    here._session.declare_queryable(
+        topics.diag("joint/2"),
+        lambda query: query.reply(topics.diag("joint/2"), b"", attachment=topics.diag("joint/3")),
+    )
+    wait_for(lambda: tool.ask(topics.diag("joint/1")), "an answer")
+    assert [answer.data for answer in tool.ask(topics.EVERY_DIAG)] == [b"sound"]
 
 
 def test_a_question_that_nobody_answers_gets_no_answers(network: Network) -> None:

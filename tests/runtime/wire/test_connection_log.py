@@ -18,7 +18,8 @@ from runtime.watching.local import diags
 from runtime.wire import topics
 from runtime.wire.bus import Bus, RingSubscriber
 from runtime.wire.mesh import FIRST_COPY, LOOPBACK, on_loopback, port_base
-from runtime.wire.messages import Message, pack, unpack
+from runtime.wire.messages import Message
+from runtime.wire.packing import pack, unpack
 from runtime.wire.refusals import MessageError
 from runtime.wire.security import OPERATOR, Credentials, names
 from runtime.wire.zenoh_internals.connection_log import ACCESS_LIST, REJECTED_CONNECTIONS

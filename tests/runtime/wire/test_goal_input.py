@@ -4,7 +4,8 @@ import pytest
 
 from runtime.wire import topics
 from runtime.wire.arbitration import GoalInput
-from runtime.wire.messages import GoalMessage, pack
+from runtime.wire.messages import GoalMessage
+from runtime.wire.packing import pack
 from runtime.wire.refusals import Refusals
 
 FRESH = 0.2  # [s]

@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 from msgspec.structs import fields, replace
 
 from runtime.wire.messages import (
-    LARGEST,
     Diag,
     EndEffectorPose,
     GoalMessage,
@@ -23,11 +22,10 @@ from runtime.wire.messages import (
     RangesMessage,
     Spread,
     nil_for_nan,
-    pack,
-    stamped,
-    unpack,
 )
+from runtime.wire.packing import LARGEST, pack, stamped, unpack
 from runtime.wire.refusals import MessageError, Reason
+from runtime.wire.world_message import LENGTHS, ObjectState, WorldMessage
 
 numbers = st.floats(-1e9, 1e9)
 counts = st.integers(0, 2**63 - 1)
@@ -43,6 +41,15 @@ def joint_states() -> st.SearchStrategy[JointStates]:
         return st.builds(JointStates, numbers, each, each, by=counts, n=counts)
 
     return st.integers(1, 12).flatmap(of)
+
+
+def objects() -> st.SearchStrategy[ObjectState]:
+    def of(kind: Any) -> st.SearchStrategy[ObjectState]:
+        each = st.lists(st.floats(1e-3, 1e3), min_size=LENGTHS[kind], max_size=LENGTHS[kind])
+        size = each.map(tuple)
+        return st.builds(ObjectState, words.filter(bool), st.just(kind), size, three, units)
+
+    return st.sampled_from(list(LENGTHS)).flatmap(of)
 
 
 MESSAGES: dict[type[Message], st.SearchStrategy[Any]] = {
@@ -74,6 +81,9 @@ MESSAGES: dict[type[Message], st.SearchStrategy[Any]] = {
         by=counts,
         n=counts,
     ),
+    WorldMessage: st.builds(
+        WorldMessage, numbers, st.lists(objects(), max_size=3).map(tuple), by=counts, n=counts
+    ),
     Diag: st.builds(
         Diag,
         numbers,
@@ -97,6 +107,10 @@ MESSAGES: dict[type[Message], st.SearchStrategy[Any]] = {
 COMMAND = {"t": 1.0, "velocity": 0.5, "by": 7, "n": 1}
 STATES = {"t": 1.0, "position": [0.1, 0.2], "velocity": [0.0, 0.0], "by": 7, "n": 1}
 GOAL = {"t": 1.0, "position": [1, 2, 3], "velocity": [0, 0, 0.1], "from": 0.5, "until": 9.0}
+OBJECT = {
+    **{"name": "cup", "kind": "cylinder", "size": [0.03, 0.1]},
+    **{"position": [1.3, 0.0, 0.8], "orientation": [0, 0, 0, 1]},
+}
 POSE = {"t": 1.0, "position": [0.1, 0.2, 0.3], "orientation": [0, 0, 0, 1], "by": 7, "n": 1}
 
 
@@ -268,6 +282,36 @@ def test_joint_states_are_refused_with_their_reason(change: dict[str, Any], reas
 )
 def test_a_pose_is_refused_with_its_reason(change: dict[str, Any], reason: Reason) -> None:
     assert refusal(EndEffectorPose, msgpack.packb({**POSE, **change})) is reason
+
+
+@pytest.mark.parametrize(
+    ("change", "reason"),
+    [
+        ({"name": ""}, Reason.WRONG_LENGTH),
+        ({"name": "a" * 65}, Reason.WRONG_LENGTH),
+        ({"name": "\x1b[2J"}, Reason.WRONG_TYPE),
+        ({"kind": "cone"}, Reason.WRONG_TYPE),
+        ({"size": [0.03]}, Reason.WRONG_LENGTH),
+        ({"size": [0.03, 0.0]}, Reason.OUT_OF_RANGE),
+        ({"size": [0.03, 1e10]}, Reason.OUT_OF_RANGE),
+        ({"position": [1.3, 0.0, math.nan]}, Reason.NOT_FINITE),
+        ({"position": None}, Reason.WRONG_TYPE),
+        ({"orientation": [0, 0, 0, 2]}, Reason.NOT_UNIT),
+    ],
+)
+def test_an_object_of_the_world_is_refused_with_its_reason(
+    change: dict[str, Any], reason: Reason
+) -> None:
+    wire = {"t": 1.0, "by": 7, "n": 1, "objects": [OBJECT, {**OBJECT, **change}]}
+    assert refusal(WorldMessage, msgpack.packb(wire)) is reason
+
+
+def test_a_world_of_too_many_objects_is_refused_and_the_largest_one_goes_through() -> None:
+    name, turn = "a" * 64, (0.5, -0.5, 0.5, -0.5)
+    most = (ObjectState(name, "box", (0.1,) * 3, (0.1,) * 3, turn),) * 64
+    assert unpack(WorldMessage, pack(WorldMessage(1.0, most))).objects == most
+    with pytest.raises(MessageError):
+        unpack(WorldMessage, pack(WorldMessage(1.0, (*most, most[0]))))
 
 
 @pytest.mark.parametrize("name", list(COMMAND))

@@ -13,8 +13,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from plant.plant import Sensor
-from runtime.wire.messages import pack, stamped, unpack
 from runtime.wire.own_topics import message_of, topic_of
+from runtime.wire.packing import pack, stamped, unpack
 from runtime.wire.refusals import MessageError, Reason
 from runtime.wire.topics import Contract, ContractError
 
@@ -55,7 +55,7 @@ def test_a_reading_arrives_as_it_was_measured(reading: Any) -> None:
 FIRST_LOOKS = """
 import sys, threading
 from typing import NamedTuple
-from runtime.wire.messages import stamped, unpack
+from runtime.wire.packing import stamped, unpack
 from runtime.wire.own_topics import message_of
 sys.setswitchinterval(1e-6)
 Reading = NamedTuple("Reading", [(f"x{i}", tuple[float, float, float]) for i in range(12)])

@@ -1,7 +1,8 @@
 import pytest
 
 from runtime.wire.arbitration import TopicInput
-from runtime.wire.messages import JointCommand, pack
+from runtime.wire.messages import JointCommand
+from runtime.wire.packing import pack, stamped
 from runtime.wire.refusals import (
     OTHER_REASONS,
     REASONS_KEPT,
@@ -49,6 +50,15 @@ def test_refused_messages_are_counted_by_reason_and_change_nothing(
         assert topic.accept(data, now=0.1) is None
     assert refusals.table() == {KEY: {Reason.NOT_MSGPACK: 2, Reason.LATE: 2}}
     assert topic.fresh(0.1) == JointCommand(1.0, 0.5, by=7, n=5)
+
+
+def test_a_message_that_was_sent_on_another_key_is_refused(
+    topic: TopicInput[JointCommand], refusals: Refusals
+) -> None:
+    command = JointCommand(1.0, 0.5)
+    assert topic.accept(stamped(command, 7, 1, "arm/joint/2/cmd"), now=0.0) is None
+    assert topic.accept(stamped(command, 7, 2, KEY), now=0.1) is not None
+    assert refusals.table() == {KEY: {Reason.ANOTHER_KEY: 1}}
 
 
 def test_a_message_that_does_not_fit_the_robot_is_refused(refusals: Refusals) -> None:

@@ -56,7 +56,7 @@ def test_each_key_has_its_message() -> None:
             "plant",
             {
                 *("arm/ee_pose", "arm/joint_states", "platform/pose", "platform/ranges"),
-                *("goal/known", "gripper/state", "operator/known", "diag/plant"),
+                *("goal/known", "gripper/state", "operator/known", "world", "diag/plant"),
             },
         ),
         ("hmi", {"operator/jog", "diag/hmi"}),

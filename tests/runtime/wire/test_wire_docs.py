@@ -79,6 +79,8 @@ def _shape(kind: types.Type) -> str:
             return f"[{least}] {_shape(item)}" if least == most else f"[n] {_shape(item)}"
         case types.NamedTupleType(fields=fields):
             return "[" + ", ".join(f"{field.name} {_shape(field.type)}" for field in fields) + "]"
+        case types.StructType(fields=inside):
+            return "{" + ", ".join(_field(field) for field in inside) + "}"
         case types.DictType(value_type=value):
             return "map of " + _shape(value)
     raise TypeError(kind)

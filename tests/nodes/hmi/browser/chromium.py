@@ -1,24 +1,12 @@
 """A real Chromium for the tests of the page, and what they need of it."""
 
-import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
 import pytest
 
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
-ARGUMENTS = (
-    "--use-angle=swiftshader",  # WebGL without a graphics card
-    "--enable-unsafe-swiftshader",
-    "--disable-gpu-compositing",  # else all of a page is drawn as slowly as WebGL
-    "--no-sandbox",  # as root
-    "--disable-background-networking",
-    "--no-first-run",
-    "--disable-sync",
-    "--disable-component-update",
-)
-PATIENT = 60_000  # [ms] for which a busy machine may take until something is on the page
+from studies.person.chromium import CHROMIUM, PATIENT
 
 
 def need_chromium() -> None:
@@ -36,16 +24,6 @@ def playwright() -> Iterator[Any]:
 
     with sync_playwright() as running:
         yield running
-
-
-@contextmanager
-def chromium(running: Any) -> Iterator[Any]:
-    """Run a Chromium (`playwright.sync_api.Browser`) of its own."""
-    browser = running.chromium.launch(executable_path=CHROMIUM, args=ARGUMENTS, timeout=4 * PATIENT)
-    try:
-        yield browser
-    finally:
-        browser.close()
 
 
 @contextmanager

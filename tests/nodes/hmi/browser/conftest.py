@@ -5,7 +5,8 @@ from typing import Any
 
 import pytest
 
-from tests.nodes.hmi.browser.chromium import chromium, playwright, profile, tab_of
+from studies.person.chromium import chromium
+from tests.nodes.hmi.browser.chromium import playwright, profile, tab_of
 from tests.nodes.hmi.browser.stub import Stub
 
 ANEW = """

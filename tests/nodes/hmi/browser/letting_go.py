@@ -11,9 +11,28 @@ SHOW = """() => {
   delete document.visibilityState;
   document.dispatchEvent(new Event('visibilitychange'));
 }"""
+NOTES = """() => {
+  Object.assign(window, {jogsAfter: 0, armed: false, over: false});
+  const {send} = WebSocket.prototype;
+  WebSocket.prototype.send = function (text) {
+    if (over && JSON.parse(text).type === 'jog') jogsAfter += 1;
+    return send.call(this, text);
+  };
+  for (const kind of ['pointerup', 'pointerdown', 'keyup', 'contextmenu', 'blur',
+                      'visibilitychange', 'unplugged']) {
+    addEventListener(kind, () => over ||= armed, {capture: true});
+  }
+}"""
+"""Counts in `jogsAfter` what the page sends of a held button after the event that lets go of it.
+
+That is the first one after `armed` was set.
+"""
 CLOCK = """() => {
   window.said = [];
-  addEventListener('pointerdown', () => window.since = performance.now(), true);
+  addEventListener('pointerdown', () => {
+    window.since = performance.now();
+    setTimeout(() => window.half = performance.now() - since, 500);
+  }, true);
   new MutationObserver(() => {
     const text = document.body.innerText;
     const known = ['NOT CONFIRMED', 'confirmed by the robot', 'STOP sent'];
@@ -21,7 +40,15 @@ CLOCK = """() => {
     if (what && said.at(-1)?.[0] !== what) said.push([what, performance.now() - since]);
   }).observe(document.body, {childList: true, subtree: true, characterData: true});
 }"""
-"""Notes in `said` what the page says of a STOP, and how long after the pointer went down [ms]."""
+"""Notes in `said` what the page says of a STOP, and how long after the pointer went down [ms].
+
+`half` is when a timer of half a second was over: on a busy machine later than that.
+"""
+PAD = """() => {
+  window.pad = {id: 'a stick', index: 0, connected: true, axes: [0, -1, 0, 0], buttons: []};
+  navigator.getGamepads = () => [window.pad];
+}"""
+"""Plugs in a joystick which is held forward."""
 
 
 _sessions = WeakKeyDictionary[Any, Any]()  # of each page one, which knows what is touched
@@ -35,7 +62,9 @@ def touch(page: Any, kind: str, *points: tuple[float, float]) -> None:
     session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": touches})
 
 
-def middle(button: Any) -> tuple[float, float]:
-    """Return the middle of a button on the page [px]."""
-    box = button.bounding_box()
-    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+def unconfirmed(page: Any) -> tuple[float, float]:
+    """Return when the page said NOT CONFIRMED, and when half a second was over [ms]."""
+    page.wait_for_timeout(20)  # the other timer is due as well
+    after: float = page.evaluate("said.find(([what]) => what === 'NOT CONFIRMED')[1]")
+    half: float = page.evaluate("half")
+    return after, half

@@ -9,13 +9,19 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
+
+from agents.agent import Array
 from nodes.hmi.address import Address, find_address
 from runtime.config.deployment import load
+from runtime.results.run_log import RunLog, read_run_log
 from runtime.watching.discovery import Target, visit
 from runtime.wire import topics
-from runtime.wire.messages import EndEffectorPose, PlatformPose, unpack
+from runtime.wire.messages import EndEffectorPose, PlatformPose
 from runtime.wire.operator_messages import OperatorState
-from tests.nodes.hmi.browser.letting_go import middle, touch
+from runtime.wire.packing import unpack
+from studies.person.chromium import middle
+from tests.nodes.hmi.browser.letting_go import touch
 from tests.runtime.conftest import Robot, wait_for
 
 DEPLOYMENT = """
@@ -32,6 +38,8 @@ agents:
 nodes:
   - {role: hmi, class: nodes.hmi.page:Page}
 """
+WITHIN, WAY = 0.5, 0.03
+"""In that time [s] and way [m] the robot is still once its plant has heard the last of a press."""
 STILL = 0.001  # [m] that what stands still may be off by
 LOOKS = 1.0  # [s] for which it is looked at
 
@@ -120,6 +128,10 @@ class RobotWithPage(Robot):
                 lambda: touch(page, "touchStart", middle(button)),
                 lambda: touch(page, "touchEnd"),
             ),
+            "stick": (
+                lambda: page.evaluate("pad.axes = [0, -1, 0, 0]"),
+                lambda: page.evaluate("pad.axes = [0, 0, 0, 0]"),
+            ),
         }[by]
 
         def moving() -> bool:
@@ -130,6 +142,8 @@ class RobotWithPage(Robot):
                 button.focus()
             start = self.now
             press()
+            if by == "stick":  # which the page looks at from time to time
+                page.locator(f"[data-move={move}].held").wait_for()
             while "held" in (button.get_attribute("class") or ""):
                 if self.now.off(start) > far:
                     return True
@@ -142,7 +156,7 @@ class RobotWithPage(Robot):
     def late(self, since: Place) -> float:
         """Return by how much the latest message since a moment before then was late [s].
 
-        So late may be, on a busy machine, whatever lets go of a button as well.
+        So late may be, on a busy machine, whatever the page is told as well.
         """
         track = self.since(since.t - LOOKS)
         return max((b.heard - a.heard) - (b.t - a.t) for a, b in pairwise(track))
@@ -167,17 +181,48 @@ class RobotWithPage(Robot):
 
         return wait_for(still, "the robot stands still")
 
-    def went(self, since: Place, rest: Place) -> tuple[float, float]:
-        """Return for how long [s] of plant time and how far [m] it moved until it was at rest."""
-        moving = [one for one in self.since(since.t) if one.off(rest) >= STILL]
-        after = moving[-1].t - since.t if moving else 0.0
-        return max(after, 0.0), max(one.off(since) for one in [*moving, rest])
+    def was_still_soon(self, rest: Place, *, halted: bool = False) -> None:
+        """Check by the plant's log how soon it was at rest, at a place where it is.
+
+        Times are the robot's own: from the moment at which its control loop last heard of the press
+        that moved it, or was halted. So this holds however busy the machine is.
+        """
+        log = self._log(rest.t)
+        gate = [event for event in log.events if event["event"] == "gate" and event["t"] < rest.t]
+        over = [event for event in gate if bool(event["halted_by"]) is halted][-1]
+        since = over["t"] if halted else over["heard"]
+        points = np.hstack([log.hand, log.base[:, :2]])  # of hand and platform
+        first, last = np.searchsorted(log.t, [since, rest.t])
+        off = points[first : last + 1] - points[min(last, len(points) - 1)]
+        moves = np.flatnonzero(_far(off) >= STILL)
+        after = float(log.t[first + moves[-1]] - since) if len(moves) else 0.0
+        way = float(_far(points[first : last + 1] - points[first]).max())
+        said = f"still after {after:.2f} s, {1000 * way:.0f} mm"
+        assert after <= WITHIN, said
+        assert way <= WAY, said
+
+    def _log(self, t: float) -> RunLog:
+        """Return what the plant has logged, once that reaches a plant time [s]."""
+
+        def whole() -> RunLog | None:
+            log = read_run_log(self.run_folder)
+            return log if log.t[-1] >= t else None
+
+        return wait_for(whole, "the plant's log")
 
     def stays(self, seconds: float = LOOKS) -> None:
         """Check that it stands still for so long."""
         here = self.now
         time.sleep(seconds)
         assert all(one.off(here) < STILL for one in self.since(here.t))
+
+
+def _far(off: Array) -> Array:
+    """Return how far hand and platform (..., 5), whichever is farther, are off [m]."""
+    far: Array = np.maximum(
+        np.linalg.norm(off[..., :3], axis=-1), np.linalg.norm(off[..., 3:], axis=-1)
+    )
+    return far
 
 
 @contextmanager

@@ -82,6 +82,7 @@ class Stub:
         halted: Whether the robot is stopped.
         answers: Whether the robot answers; if not, no STOP is confirmed.
         silent: Whether nothing at all is sent.
+        things: What stands around the robot.
     """
 
     def __init__(self) -> None:
@@ -104,6 +105,7 @@ class Stub:
         self.halted = False
         self.answers = True
         self.silent = False
+        self.things: list[Json] = []
         self._hand = [0.7, 0.0, 0.6]
         self._jog: tuple[Json, float] | None = None
         self._pressed = 0
@@ -140,7 +142,12 @@ class Stub:
     async def _run(self) -> None:
         self._ending = asyncio.Event()
         async with serve(
-            self._talk, "127.0.0.1", 0, process_request=self._file, compression=None
+            self._talk,
+            "127.0.0.1",
+            0,
+            process_request=self._file,
+            compression=None,
+            open_timeout=None,  # on a busy machine a page would lack one of its files
         ) as self._server:
             self._port = next(iter(self._server.sockets)).getsockname()[1]
             self._ready.set()
@@ -238,6 +245,7 @@ class Stub:
             "driver": None,
             "asking": None,
             "viewers": 1,
+            "things": self.things,
         }
 
     def _processes(self) -> Json:

@@ -6,8 +6,9 @@ from typing import Any
 
 import pytest
 
-from tests.nodes.hmi.browser.chromium import tab
-from tests.nodes.hmi.browser.letting_go import HIDE, middle, touch
+from studies.person.chromium import middle
+from tests.nodes.hmi.browser.chromium import tab, tab_of
+from tests.nodes.hmi.browser.letting_go import HIDE, PAD, SHOW, touch
 from tests.nodes.hmi.browser.stub import Stub, wait_until
 
 QUIET = 0.4  # [s] in which a press that went on would have been sent eight times
@@ -34,6 +35,30 @@ def is_over(stub: Stub) -> None:
     wait_until(quiet, "no more jogs")
 
 
+@pytest.fixture(scope="module")
+def kept(helped: Any) -> Iterator[tuple[Any, Stub]]:
+    """Open one tab, at a stand-in of its own, for all tests that leave it as it is."""
+    stub = Stub()
+    stub.mode = "shared"
+    with tab_of(helped, stub.address) as page:
+        yield page, stub
+    stub.close()
+
+
+@pytest.fixture
+def held(kept: tuple[Any, Stub]) -> Any:
+    """Hold a button in that tab; return the tab, and the stand-in."""
+    page, stub = kept
+    for button in ("left", "right"):
+        page.mouse.up(button=button)
+    page.evaluate(SHOW)
+    stub.mode, stub.halted = "shared", False
+    stub.heard.clear()
+    page.locator("[data-move=up]:not([aria-disabled=true])").wait_for()
+    hold(page, stub)
+    return kept
+
+
 ENDS: dict[str, Callable[[Any, Stub], object]] = {
     "the button is let go": lambda page, _: page.mouse.up(),
     "the pointer leaves": lambda page, _: page.mouse.move(5, 5),
@@ -42,8 +67,6 @@ ENDS: dict[str, Callable[[Any, Stub], object]] = {
     "the window loses the focus": lambda page, _: page.evaluate("dispatchEvent(new Event('blur'))"),
     "the tab is hidden": lambda page, _: page.evaluate(HIDE),
     "the page is left": lambda page, _: page.evaluate("dispatchEvent(new Event('pagehide'))"),
-    "the page is loaded again": lambda page, _: page.reload(),
-    "the tab is closed": lambda page, _: page.close(),
     "another button by key": lambda page, _: page.keyboard.press("a"),
     "the connection is lost": lambda page, stub: stub.drop(),
     "the connection stalls": lambda page, stub: setattr(stub, "silent", True),
@@ -53,11 +76,23 @@ ENDS: dict[str, Callable[[Any, Stub], object]] = {
     "STOP by the keyboard": lambda page, _: page.locator("#stop").press("Enter"),
     "another mode": lambda page, _: page.get_by_role("radio", name="Rest").press("Enter"),
 }
+LAST: dict[str, Callable[[Any], object]] = {
+    "the page is loaded again": lambda page: page.reload(),
+    "the tab is closed": lambda page: page.close(),
+}
+
+
+@pytest.mark.parametrize("end", LAST)
+def test_a_held_button_is_over_when(page: Any, stub: Stub, end: str) -> None:
+    hold(page, stub)
+    LAST[end](page)
+    is_over(stub)
+    assert {message["press"] for message in stub.of("jog")} == {1}
 
 
 @pytest.mark.parametrize("end", ENDS)
-def test_a_held_button_is_over_with(page: Any, stub: Stub, end: str) -> None:
-    hold(page, stub)
+def test_a_held_button_is_over_with(held: tuple[Any, Stub], end: str) -> None:
+    page, stub = held
     number = stub.of("jog")[-1]["press"]
     ENDS[end](page, stub)
     is_over(stub)
@@ -193,12 +228,6 @@ def test_a_screen_readers_click_is_a_step(page: Any, stub: Stub) -> None:
     page.locator("[data-move=up]").evaluate("button => button.click()")
     wait_until(lambda: stub.of("jog"), "it moves")
     assert stub.of("jog")[0]["step"] == 0.02
-
-
-PAD = """() => {
-  window.pad = {id: 'a stick', index: 0, connected: true, axes: [0, -1, 0, 0], buttons: []};
-  navigator.getGamepads = () => [window.pad];
-}"""
 
 
 def test_a_joystick_moves_only_after_it_was_let_go_and_stops_when_it_is_unplugged(

@@ -1,5 +1,6 @@
 """What the two views send and show."""
 
+from functools import partial
 from typing import Any
 
 import pytest
@@ -14,6 +15,35 @@ def test_states_are_answered_once_they_are_painted(page: Any, stub: Stub) -> Non
     wait_until(lambda: len(stub.of("painted")) > before + 5, "painted states are answered")
     numbers = [message["state"] for message in stub.of("painted")]
     assert numbers == sorted(set(numbers))
+
+
+def test_the_things_around_the_robot_are_drawn_and_named_nearest_first(
+    page: Any, stub: Stub
+) -> None:
+    page.locator("body[data-picture=drawn]").wait_for()
+    before = picture(page)
+    stub.things = [
+        thing("table", "box", [0.6, 0.8, 0.03], 1.2),
+        thing("cup", "cylinder", [0.03, 0.1], 0.8),
+        thing("ball", "sphere", [0.1], 1.0),
+    ]
+    page.get_by_text("cup 0.10 m, ball 0.30 m, table 0.50 m").wait_for()
+    assert picture(page) != before
+    stub.things = []
+    page.get_by_text("middle of things").wait_for(state="detached")
+    wait_until(lambda: picture(page) == before, "nothing is left of them in the picture")
+
+
+def picture(page: Any) -> bytes:
+    """Return what is to be seen of the robot."""
+    found: bytes = page.locator("#scene").screenshot()
+    return found
+
+
+def thing(name: str, kind: str, size: list[float], x: float) -> dict[str, Any]:
+    """Return an object of the world at a distance in front of the robot [m]."""
+    pose = {"position": [x, 0.0, 0.6], "orientation": [0.0, 0.0, 0.0, 1.0]}
+    return {"name": name, "kind": kind, "size": size, "pose": pose}
 
 
 @pytest.mark.parametrize(
@@ -50,17 +80,26 @@ def test_one_can_sit_elsewhere(page: Any, stub: Stub) -> None:
     assert stub.of("jog")[0]["camera"] == pytest.approx(3.1416, abs=0.01)
 
 
-def test_manual_mode_moves_the_chosen_part(page: Any, stub: Stub) -> None:
+def let_go_count(stub: Stub, count: int) -> bool:
+    return len(stub.of("let_go")) == count
+
+
+def test_manual_mode_has_one_set_of_buttons_for_the_platform_and_one_for_the_joints(
+    page: Any, stub: Stub
+) -> None:
     page.get_by_role("radio", name="Manual").click()
-    page.get_by_role("radio", name="Joint 2").click()
-    page.locator("[data-move=down]").press("Space", delay=300)
-    wait_until(lambda: stub.of("let_go"), "it moves and stops")
-    jog = stub.of("jog")[-1]
-    assert (jog["mode"], jog["part"], jog["speeds"]) == ("manual", "joint/2", [-0.5])
-    page.get_by_role("radio", name="Platform").click()
-    page.locator("[data-move=left]").press("Space", delay=300)
-    wait_until(lambda: len(stub.of("let_go")) == 2, "it moves and stops")
-    assert stub.of("jog")[-1]["speeds"] == [0, 0.5]
+    presses = {
+        "Joint 2 \u2212": ("joint/2", [-0.5]),
+        "Joint 1 +": ("joint/1", [0.5]),
+        "Left": ("platform", [0, 0.5]),
+        "Down": ("joint/1", [-0.5]),  # which was used last
+    }
+    for number, (name, moved) in enumerate(presses.items(), 1):
+        page.get_by_role("button", name=name, exact=True).press("Space", delay=300)
+        wait_until(partial(let_go_count, stub, number), "it moves and stops")
+        jog = stub.of("jog")[-1]
+        assert (jog["mode"], jog["part"], jog["speeds"]) == ("manual", *moved), name
+    page.get_by_role("button", name="Roll left").wait_for(state="hidden")
 
 
 def test_the_gripper_opens_and_closes(page: Any, stub: Stub) -> None:

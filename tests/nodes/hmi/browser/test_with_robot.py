@@ -13,17 +13,26 @@ from typing import Any
 import psutil
 import pytest
 
-from tests.nodes.hmi.browser.chromium import chromium, need_chromium, tab
-from tests.nodes.hmi.browser.letting_go import CLOCK, HIDE, SHOW, middle, touch
+from studies.person.chromium import chromium, middle
+from tests.nodes.hmi.browser.chromium import need_chromium, tab
+from tests.nodes.hmi.browser.letting_go import (
+    CLOCK,
+    HIDE,
+    NOTES,
+    PAD,
+    SHOW,
+    touch,
+    unconfirmed,
+)
 from tests.nodes.hmi.browser.robot import RobotWithPage, robot_with_page
+from tests.nodes.hmi.browser.stalling import network
 from tests.runtime.conftest import wait_for
 
-WITHIN, WAY = 0.5, 0.03  # [s], [m] in which the robot is still
-SPEED = 0.15  # [m/s] of the hand
 CONFIRMED = 200  # [ms] from the click of STOP to the robot's word, in the median
-UNCONFIRMED = 600  # [ms] from the click to NOT CONFIRMED, by the page's own clock
+UNCONFIRMED = 100  # [ms] from half a second after the click to NOT CONFIRMED, by the page's clock
+CORE, MEMORY = 0.10, 60e6  # share of a core, and [bytes] with all of what it shares with others
+WATCHED = 3.0  # [s] for which that is measured
 AGAIN = 3.0  # [s] after which a request that had no effect is made again
-TRIES = 3  # a busy machine may spoil a measurement; what must never happen is checked in each
 
 
 @pytest.fixture(scope="module")
@@ -48,6 +57,7 @@ def driver(browser: Any, robot: RobotWithPage, **more: Any) -> Iterator[Any]:
         page.get_by_role("button", name="Close help").click()
         page.locator("#settings summary").click()
         make_ready(page)
+        page.evaluate(NOTES)
         yield page
 
 
@@ -71,6 +81,8 @@ def press_until(page: Any, button: Any, shown: str) -> None:
         until = time.monotonic() + AGAIN
         while not page.locator(shown).count():
             if time.monotonic() > until:
+                if page.locator("body[data-halted=true]").count():  # by a stop that came late
+                    page.get_by_role("button", name="Release").click()
                 button.click()
                 return False
             page.wait_for_timeout(20)
@@ -107,27 +119,27 @@ def send(pids: list[int], what: signal.Signals) -> None:
         os.kill(pid, what)
 
 
-def still_after(
-    robot: RobotWithPage, page: Any, let_go: Callable[[], object], *, last: bool
-) -> bool:
-    """Let go; tell whether the robot was still soon enough. At the last try it has to have been.
+def let_go_of(robot: RobotWithPage, let_go: Callable[[], object]) -> None:
+    """Let go: the robot is still soon after its plant has heard the last of it, and stays so.
 
-    In any case the press is over in the plant, and the robot stands still, whatever the browser
-    still holds. A busy machine may need longer: by how late the robot's messages are, and the
-    browser's answers.
+    How long it takes until the plant hears that is up to the machine; `sends_no_more` says that the
+    page itself sends nothing after the event.
     """
-    began = time.monotonic()
-    page.evaluate("0")
-    answered = time.monotonic() - began
     since = robot.now
     let_go()
     rest = robot.comes_to_rest(since)
     robot.wait_press_over(since)
-    after, way = robot.went(since, rest)
-    late = max(robot.late(since), answered)
-    soon = after <= WITHIN + late and way <= WAY + SPEED * late
-    assert soon or not last, f"still after {after:.2f} s, {1000 * way:.0f} mm; {late:.2f} s late"
-    return soon
+    robot.was_still_soon(rest)
+
+
+@contextmanager
+def sends_no_more(page: Any, most: int = 0) -> Iterator[None]:
+    """Check that after the event that lets go the page sends nothing more, or so little more."""
+    page.evaluate("armed = true, over = false, jogsAfter = 0")
+    yield
+    assert page.evaluate("over"), "the page has seen no event"
+    assert page.evaluate("jogsAfter") <= most
+    page.evaluate("armed = over = false")
 
 
 PHONE = {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobile": True}
@@ -141,35 +153,28 @@ ENDS: dict[str, tuple[str, Callable[[Any], object]]] = {
     "the tab is hidden": ("mouse", lambda page: page.evaluate(HIDE)),
     "a menu": ("mouse", lambda page: page.mouse.down(button="right")),
 }
+UNPLUG = "navigator.getGamepads = () => [null]; dispatchEvent(new Event('unplugged'))"
 
 
 def test_the_robot_is_still_after_the_tab_is_closed(browser: Any, robot: RobotWithPage) -> None:
-    for left in reversed(range(TRIES)):
-        with driver(browser, robot) as page:
-            robot.moves(page, "forward")
-            if still_after(robot, page, page.close, last=not left):
-                break
+    with driver(browser, robot) as page:
+        robot.moves(page, "forward")
+        let_go_of(robot, page.close)
 
 
 def test_the_robot_is_still_after_a_second_finger(browser: Any, robot: RobotWithPage) -> None:
     with driver(browser, robot, **PHONE) as page:
-        for left in reversed(range(TRIES)):
-            robot.moves(page, "forward", "touch")
-            fingers = [middle(page.locator(f"[data-move={move}]")) for move in ("forward", "left")]
-            second = partial(touch, page, "touchStart", *fingers)
-            soon = still_after(robot, page, second, last=not left)
-            touch(page, "touchEnd")
-            if soon:
-                break
+        robot.moves(page, "forward", "touch")
+        fingers = [middle(page.locator(f"[data-move={move}]")) for move in ("forward", "left")]
+        with sends_no_more(page):
+            let_go_of(robot, partial(touch, page, "touchStart", *fingers))
+        touch(page, "touchEnd")
 
 
 def test_the_robot_is_still_after_the_renderer_crashes(other: Any, robot: RobotWithPage) -> None:
-    for left in reversed(range(TRIES)):
-        with driver(other, robot) as page:
-            robot.moves(page, "forward")
-            crash = partial(send, processes(other, "renderer"), signal.SIGKILL)
-            if still_after(robot, page, crash, last=not left):
-                break
+    with driver(other, robot) as page:
+        robot.moves(page, "forward")
+        let_go_of(robot, partial(send, processes(other, "renderer"), signal.SIGKILL))
 
 
 def test_the_robot_is_still_when_the_browser_is_suspended_and_stays_so(
@@ -177,48 +182,69 @@ def test_the_robot_is_still_when_the_browser_is_suspended_and_stays_so(
 ) -> None:
     with driver(other, robot) as page:
         pids = processes(other)
-        for left in reversed(range(TRIES)):
-            robot.moves(page, "forward")
-            try:
-                suspend = partial(send, pids, signal.SIGSTOP)
-                soon = still_after(robot, page, suspend, last=not left)
-            finally:
-                send(pids, signal.SIGCONT)
-            robot.stays()  # although the button is still held
-            page.mouse.up()
-            if soon:
-                break
+        robot.moves(page, "forward")
+        try:
+            let_go_of(robot, partial(send, pids, signal.SIGSTOP))
+        finally:
+            send(pids, signal.SIGCONT)
+        robot.stays()  # although the button is still held
+        page.mouse.up()
 
 
 @pytest.mark.parametrize("end", ENDS)
 def test_the_robot_is_still_after(page: Any, robot: RobotWithPage, end: str) -> None:
     by, let_go = ENDS[end]
-    for left in reversed(range(TRIES)):
-        robot.moves(page, "forward", by)
-        soon = still_after(robot, page, partial(let_go, page), last=not left)
-        page.mouse.up(button="right")
-        page.mouse.up()
-        page.keyboard.up("Space")
-        page.evaluate(SHOW)
-        if soon:
-            break
+    robot.moves(page, "forward", by)
+    with sends_no_more(page):
+        let_go_of(robot, partial(let_go, page))
+    page.mouse.up(button="right")
+    page.mouse.up()
+    page.keyboard.up("Space")
+    page.evaluate(SHOW)
+
+
+def test_the_robot_is_still_when_the_network_stalls_and_stays_so(
+    browser: Any, robot: RobotWithPage
+) -> None:
+    with network() as between, driver(browser, robot, proxy={"server": between.address}) as page:
+        for released in (False, True):
+            robot.moves(page, "forward")
+            let_go_of(robot, between.stall)
+            if released:
+                page.mouse.up()
+            between.resume()
+            page.locator("[data-move=forward]:not([aria-disabled=true])").wait_for()
+            robot.stays()  # with the button still held, or released meanwhile
+            page.mouse.up()
+
+
+def test_the_robot_is_still_when_the_joystick_is_unplugged_and_stays_so(
+    page: Any, robot: RobotWithPage
+) -> None:
+    page.evaluate(PAD)
+    page.evaluate("pad.axes = [0, 0, 0, 0]")
+    page.locator("#setting-pad").get_by_role("radio", name="On").click()
+    page.get_by_role("status").get_by_text("a stick").wait_for()
+    robot.moves(page, "forward", "stick")
+    with sends_no_more(page, most=1):  # the page looks at it as often as it sends
+        let_go_of(robot, partial(page.evaluate, UNPLUG))
+    page.evaluate("navigator.getGamepads = () => [pad]")
+    robot.stays()  # although it is held forward again
+    page.locator("#setting-pad").get_by_role("radio", name="Off").click()
 
 
 def test_the_robot_is_still_when_the_pages_process_is_killed_and_stays_so(
     page: Any, robot: RobotWithPage
 ) -> None:
-    for left in reversed(range(TRIES)):
-        robot.moves(page, "forward")
-        pid = robot.pid("hmi")
-        soon = still_after(robot, page, partial(os.kill, pid, signal.SIGKILL), last=not left)
-        page.get_by_role("alert").get_by_text("No connection").wait_for()
-        assert robot.tool("revive", "hmi").returncode == 0
-        wait_for(partial(is_another, robot, pid), "it is revived")
-        page.get_by_role("status").get_by_text("Connected again").wait_for()
-        robot.stays()  # although the button is still held
-        page.mouse.up()
-        if soon:
-            break
+    robot.moves(page, "forward")
+    pid = robot.pid("hmi")
+    let_go_of(robot, partial(os.kill, pid, signal.SIGKILL))
+    page.get_by_role("alert").get_by_text("No connection").wait_for()
+    assert robot.tool("revive", "hmi").returncode == 0
+    wait_for(partial(is_another, robot, pid), "it is revived")
+    page.get_by_role("status").get_by_text("Connected again").wait_for()
+    robot.stays()  # although the button is still held
+    page.mouse.up()
 
 
 def is_another(robot: RobotWithPage, pid: int) -> bool:
@@ -252,7 +278,7 @@ def test_stop_is_confirmed_in_time_and_latched_from_a_second_tab(
         robot.moves(page, "forward")
         stop(second)
         page.get_by_text("Stopped by").wait_for()
-        robot.comes_to_rest(robot.now)
+        robot.was_still_soon(robot.comes_to_rest(robot.now), halted=True)
         page.mouse.up()
         page.mouse.down()  # nothing moves while it is stopped
         robot.stays()
@@ -278,29 +304,24 @@ def test_a_stop_that_the_plant_does_not_hear_is_not_confirmed(
     page: Any, robot: RobotWithPage
 ) -> None:
     page.evaluate(CLOCK)
-    times = []
-    for _ in range(TRIES):
-        os.kill(robot.pid("plant"), signal.SIGSTOP)
-        try:
-            page.get_by_role("button", name="STOP", exact=True).click()
-            alert = page.get_by_role("alert").get_by_text("NOT CONFIRMED")
-            alert.wait_for()
-            times.append(page.evaluate("said.find(([what]) => what === 'NOT CONFIRMED')[1]"))
-        finally:
-            os.kill(robot.pid("plant"), signal.SIGCONT)
-        page.get_by_text("STOP confirmed by the robot after").wait_for()
-        page.evaluate("said = []")
-        release(page)
-        if times[-1] <= UNCONFIRMED:
-            break
-    assert min(times) <= UNCONFIRMED, times
+    os.kill(robot.pid("plant"), signal.SIGSTOP)
+    try:
+        page.get_by_role("button", name="STOP", exact=True).click()
+        page.get_by_role("alert").get_by_text("NOT CONFIRMED").wait_for()
+        after, half = unconfirmed(page)
+    finally:
+        os.kill(robot.pid("plant"), signal.SIGCONT)
+    page.get_by_text("STOP confirmed by the robot after").wait_for()
+    release(page)
+    assert after <= half + UNCONFIRMED
 
 
 def test_the_pages_process_needs_little(page: Any, robot: RobotWithPage) -> None:
+    """Of computing time by the seconds of the robot, which a busy machine hardly changes."""
     process = psutil.Process(robot.pid("hmi"))
-    before = process.cpu_times()
-    time.sleep(2.0)
-    after = process.cpu_times()
+    before, since = process.cpu_times(), robot.now.t
+    wait_for(lambda: robot.now.t >= since + WATCHED, "the robot goes on")
+    after, until = process.cpu_times(), robot.now.t
     used = after.user + after.system - before.user - before.system
-    assert used / 2.0 <= 0.15
-    assert process.memory_info().rss < 150e6
+    assert used / (until - since) < CORE
+    assert process.memory_info().rss < MEMORY

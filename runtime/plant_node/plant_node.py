@@ -8,12 +8,14 @@ from contextlib import ExitStack
 from plant.errors import MsmaError
 from plant.faults import Fault
 from runtime.gate.operator_input import OperatorInput
-from runtime.processes.command_arbiter import EXPRESSIONS, CommandArbiter
+from runtime.plant_node.command_arbiter import EXPRESSIONS, CommandArbiter
+from runtime.plant_node.grip_log import GripLog
+from runtime.plant_node.state_publisher import GoalMemory, MotionLog, StatePublisher
+from runtime.plant_node.world_publisher import WorldPublisher
 from runtime.processes.lifetime import FAILED
 from runtime.processes.meters import AnswerTimes
 from runtime.processes.node import Context, Node
 from runtime.processes.process import Process
-from runtime.processes.state_publisher import GoalMemory, MotionLog, StatePublisher
 from runtime.processes.timing import Pacer
 from runtime.wire import topics
 from runtime.wire.messages import Spread
@@ -46,7 +48,9 @@ class PlantNode(Node):
         )
         self._answers = answers or AnswerTimes()
         self._publisher = StatePublisher(process.bus, self._plant.sensors)
+        self._world = WorldPublisher(process.bus, deployment.world, self._plant)
         self._motion_log = MotionLog(robot)
+        self._grip = GripLog(process.log, deployment.world, self._plant)
         self._goal = GoalMemory(process.bus, process.refusals)
         self._operator = OperatorInput(process, self._goal, self._note_mode)
         self._faults: deque[Fault] = deque()
@@ -64,6 +68,7 @@ class PlantNode(Node):
         with ExitStack() as ending:
             ending.callback(self._log_contacts)  # those that are over once it is closed
             ending.callback(self._plant.close)
+            ending.callback(lambda: self._grip.close(self._process.t))
             pacer = Pacer(self._period / self._speed)
             self._wait_for_the_first_command(pacer)
             if self._ended():
@@ -112,12 +117,15 @@ class PlantNode(Node):
         self._log_contacts()
         self._goal.update(now)
         self._publish()
+        self._grip.update(self._readings)
         self._log_motion(ages)
 
     def _publish(self) -> None:
         self._readings = self._plant.read()
         self._process.t = self._readings.t
-        self._answers.sent(self._readings.t, time.monotonic())
+        now = time.monotonic()
+        self._world.update(now, self._readings.t)
+        self._answers.sent(self._readings.t, now)
         self._publisher.publish(self._readings)
 
     def _take_commands(self, now: float) -> bool:

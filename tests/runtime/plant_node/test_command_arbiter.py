@@ -9,9 +9,10 @@ from plant import urdf
 from plant.kinematic import KinematicPlant
 from plant.plant import Setup
 from plant.robot import Drive
-from runtime.processes.command_arbiter import CommandArbiter
+from runtime.plant_node.command_arbiter import CommandArbiter
 from runtime.wire import topics
-from runtime.wire.messages import GripperCommand, JointCommand, PlatformCommand, pack, unpack_map
+from runtime.wire.messages import GripperCommand, JointCommand, PlatformCommand
+from runtime.wire.packing import pack, unpack_map
 from runtime.wire.refusals import UNKNOWN_KEYS, Reason, Refusals
 from runtime.wire.samples import Sample
 

@@ -1,0 +1,98 @@
+"""The last check before a platform moves: it can always stop before what it sees."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from agents.agent import Array
+from agents.echoes import Echoes, Sonar
+from agents.outline import Outline
+from plant.robot import Drive
+
+KEPT = 0.04
+"""[L] Gap that is kept to what is seen. Chosen: four times the noise of ultrasonic sensors."""
+WALKS = 1.6
+"""[m/s] With which what moves by itself comes at most. From ISO 13855, for people who walk."""
+SHARES = np.array([1.0, 0.8, 0.6, 0.4, 0.25, 0.12, 0.0])
+"""[] Of the planned speeds that are tried. Chosen: finer where the platform is slow."""
+POSES = 6
+"""[] On the way to rest that are looked at. Chosen: 3 cm apart at ARPH's top speed."""
+
+
+class Limit(NamedTuple):
+    """How much of its planned speeds a platform may have.
+
+    Attributes:
+        shares: (2,) of speed and turning speed.
+        nearest: Where the thing is that is the nearest to the outline, as the platform faces [m];
+            None if there is none.
+        gap: Between the two [m].
+    """
+
+    shares: Array
+    nearest: complex | None
+    gap: float
+
+
+class Brakes:
+    """How one platform stops."""
+
+    def __init__(self, drive: Drive, outline: Outline, sonar: Sonar, reach: float, late: float):
+        """Know a drive.
+
+        Args:
+            drive: Its speeds and accelerations.
+            outline: Of the platform.
+            sonar: Its belt.
+            reach: L [m].
+            late: How long it goes on before it brakes [s].
+        """
+        self._slows = np.array([drive.max_linear_acceleration, drive.max_angular_acceleration])
+        self._outline, self._sonar, self._reach, self._late = outline, sonar, reach, late
+        one, none = np.ones_like(SHARES), np.zeros_like(SHARES)
+        pairs = [np.stack(pair, axis=-1) for pair in ((SHARES, one), (SHARES, SHARES),
+                                                      (none, SHARES))]  # fmt: skip
+        self._pairs = np.concatenate(pairs)
+
+    def limit(self, echoes: Echoes, base: Array, speeds: Array) -> Limit:
+        """Return how much of the speeds (2,) [m/s], [rad/s] it may have.
+
+        It brakes along its way with its full deceleration. At each pose on the way to rest, what
+        is seen must be beyond the gap kept, or not nearer than it is now, for the platform to be
+        able to drive away from what has come too close; but it may always turn to look where it
+        does not see. What moves by itself must be beyond what it can walk until then.
+        """
+        turn, place = np.exp(-1j * base[2]), complex(base[0], base[1])
+        if np.isnan(echoes.ranges).all():
+            return Limit(np.zeros(2), None, np.inf)
+        arcs = self._sonar.arcs(echoes.ranges)
+        unseen, points, movers = (
+            (some - place) * turn for some in (echoes.unseen, echoes.points, echoes.movers)
+        )
+        still = np.concatenate([unseen, arcs[np.isfinite(arcs)], points])
+        things = np.concatenate([still, movers])
+        if not things.size:
+            return Limit(np.ones(2), None, np.inf)
+        gaps = self._outline.gap(things)
+        nearest = int(gaps.argmin())
+        tried = self._pairs * speeds
+        # the times at which it is looked at, and its speeds' integrals until then
+        slow = np.abs(tried) / self._slows
+        lasts = self._late + slow.max(axis=-1, keepdims=True)
+        t = lasts * np.linspace(0.0, 1.0, POSES + 1)[1:]
+        braking = np.clip((t - self._late)[..., None], 0.0, slow[:, None, :])
+        way = tried[:, None, :] * (np.minimum(t, self._late)[..., None] + braking)
+        way -= np.sign(tried)[:, None, :] * self._slows * 0.5 * braking**2
+        half = 0.5 * way[..., 1]
+        chord = way[..., 0] * np.sinc(half / np.pi) * np.exp(1j * half)
+        seen = (things - chord[..., None]) * np.exp(-2j * half)[..., None]
+        then = self._outline.gap(seen)  # (tried, POSES, things)
+        then[tried[:, 0] == 0, :, : len(unseen)] = np.inf
+        kept, count = KEPT * self._reach, len(still)
+        enough = np.minimum(kept, gaps[:count] - 1e-9)
+        safe = (then[..., :count] >= enough).all(axis=(-1, -2))
+        age = echoes.t - echoes.seen + t[..., None]
+        safe &= (then[..., count:] >= kept + WALKS * age).all(axis=(-1, -2))
+        safe |= ~tried.any(axis=-1)
+        best = np.where(safe, np.abs(tried) @ (1 / self._slows), -1.0).argmax()
+        return Limit(self._pairs[best], complex(things[nearest]), float(gaps[nearest]))

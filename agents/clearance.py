@@ -1,0 +1,182 @@
+"""How a platform's plan keeps clear of the things that it sees, and ways round them to try.
+
+With gap_j the least distance between the platform's outline and any thing seen, in the middle and
+at the end of each interval, the cost of a plan gains
+
+    CARE sum_j T_j / 2 max(m - gap_j, 0)^2,
+
+which is a residual more for its Gauss-Newton step: the same law, with things or without.
+"""
+
+import numpy as np
+import numpy.typing as npt
+
+from agents.agent import Array, Places
+from agents.outline import Outline
+
+MARGIN = 0.15
+"""[L] m, gap from which on nothing is kept clear of. Trade-off: more is smoother, and makes way for
+nothing that is less than twice as much wider than the platform."""
+CARE = 10.0
+"""[] What a gap too small counts, against the square of an error that is small. Chosen: to drive
+through anything costs more than never to arrive."""
+WAYS = 10
+"""[] Ways round things that are tried, the shortest ones. Trade-off: the time of a plan; 6 leave
+out the second side of a thing of 1 m."""
+SHARP = 2.0
+"""[rad] Largest turn at such a place. Derived: a third of a full turn, as around the end of a wall
+takes less than half a turn; at half a turn tangents no longer meet."""
+BLOCKED = 2.0
+"""[L] By which a way counts as longer that leads into another thing. Chosen: half of what
+ultrasonic sensors see."""
+
+
+class Clearance:
+    """What keeps one platform off things."""
+
+    def __init__(self, outline: Outline, reach: float, length: Array, top: Array, mix: Array):
+        """Know what a plan is.
+
+        Args:
+            outline: Of the platform.
+            reach: L [m].
+            length: (M,) of the intervals [s].
+            top: (2,) speeds [m/s], [rad/s].
+            mix: (M, M), mean speeds in the intervals by those planned.
+        """
+        self._outline, self._margin, self._reach = outline, MARGIN * reach, reach
+        self._round = outline.radius + 0.5 * self._margin
+        self._within2 = (outline.radius + self._margin) ** 2
+        self._half = float(np.abs(outline.corners.imag).max()) + 0.5 * self._margin
+        self._weight = np.tile(0.5 * CARE * length, 2)
+        self._most = length * top[:, None]
+        whole = np.tri(len(length))
+        self._until = np.concatenate([whole - 0.5 * np.eye(len(length)), whole])
+        self._mix = mix
+
+    def cost(self, near: Places, places: list[Places], headings: list[Places]) -> Array:
+        """Return what poses cost together (..., C) [m2 s].
+
+        Args:
+            near: (K,) things [m].
+            places: (..., C, M) in the middle of each interval, and at its end [m].
+            headings: As e^ia.
+        """
+        short, _ = self._worst(near, np.concatenate(places, -1), np.concatenate(headings, -1))
+        cost: Array = short**2 @ self._weight
+        return cost
+
+    def _worst(
+        self, near: Places, place: Places, heading: Places
+    ) -> tuple[Array, npt.NDArray[np.intp]]:
+        """Return by how much (..., C, 2 M) the worst gap is too small [m], and which thing it is.
+
+        Only what is within a circle around the platform can be too near: most things are not.
+        """
+        poses, turns = place.ravel(), np.conj(heading).ravel()
+        squares = np.stack([-2 * near.real, -2 * near.imag, np.ones(near.shape), _square(near)])
+        rows = [poses.real, poses.imag, _square(poses), np.ones(poses.shape)]
+        pose, thing = np.nonzero(np.stack(rows, axis=-1) @ squares < self._within2)
+        short = np.zeros((len(poses), len(near)))
+        gap = self._outline.gap((near[thing] - poses[pose]) * turns[pose])
+        short[pose, thing] = np.maximum(self._margin - gap, 0.0)
+        worst = short.argmax(axis=-1)
+        most = short[np.arange(len(poses)), worst]
+        return most.reshape(place.shape), worst.reshape(place.shape)
+
+    def rows(
+        self, near: Places, places: list[Places], headings: list[Places]
+    ) -> tuple[Array, Array]:
+        """Return slopes (..., C, 2 M, 2 M) and residuals (..., C, 2 M) of a Gauss-Newton step.
+
+        The thing that is nearest, at o, comes nearer as the point of the platform that is there
+        moves: by T_k e^ia_k for v_k, by i T_k (o - p_k) for w_k.
+
+        Args:
+            near: (K,) things [m].
+            places: As of `cost`.
+            headings: Likewise.
+        """
+        pivot, middle = places[0], headings[0]
+        place, heading = np.concatenate(places, -1), np.concatenate(headings, -1)
+        short, worst = self._worst(near, place, heading)
+        thing = near[worst]
+        normal = self._outline.normal((thing - place) * np.conj(heading))
+        root = np.sqrt(self._weight) * (short > 0)
+        ahead = self._until * (middle * self._most[0])[..., None, :]
+        around = 1j * (thing[..., None] - pivot[..., None, :]) * self._most[1] * self._until
+        ways = np.concatenate([ahead @ self._mix, around @ self._mix], axis=-1)
+        slope = -(np.conj(normal * heading)[..., None] * ways).real
+        return slope * root[..., None], short * root
+
+    def detours(self, near: Places, goal: Places, hand: Places, end: Array, top: Array) -> Array:
+        """Return plans (S, M, 2) that drive past things on either side, and then to the goal.
+
+        To pass a thing at o, the platform turns, drives along the tangent to a circle around it as
+        wide as it takes to turn, up to the point p where the tangent from the goal g meets this
+        one, turns and drives to the goal. The hand at h = (a, b) then comes to it along a straight
+        way of length s with heading psi, where g - p = e^i psi (s + h).
+
+        Args:
+            near: (K,) things [m].
+            goal: (N,) where it is at the ends of intervals, of which the plan has the first M [m].
+            hand: (N,) where the arm holds the hand [m].
+            end: (M,) of the intervals [s].
+            top: (2,) speeds [m/s], [rad/s].
+        """
+        last = len(end) - 1
+        places = self._passes(near, goal[last], abs(hand[last]))
+        bearing, distance = np.angle(places), np.abs(places)
+        row = np.full(places.shape, last)
+        for _ in range(2):  # the goal goes on meanwhile
+            held, way = hand[row], goal[row] - places
+            straight = np.sqrt(np.maximum(np.abs(way) ** 2 - held.imag**2, 0.0)) - held.real
+            straight = np.maximum(straight, 0.0)
+            turn = np.angle(way * np.conj(straight + held) * np.exp(-1j * bearing))
+            lasts = np.stack([np.abs(bearing), distance, np.abs(turn), straight])
+            lasts /= np.array([top[1], top[0], top[1], top[0]])[:, None]
+            ends = np.cumsum(lasts, axis=0)
+            row = np.minimum(np.searchsorted(end, ends[-1]), last)
+        length = np.diff(end, prepend=0.0)
+        begins = np.maximum(end - length, (ends - lasts)[..., None])
+        share = np.maximum(np.minimum(end, ends[..., None]) - begins, 0.0) / length
+        sides = np.sign(bearing)[:, None], np.sign(turn)[:, None]
+        turning = sides[0] * share[0] + sides[1] * share[2]
+        return np.stack([share[1] + share[3], turning], axis=-1)
+
+    def _passes(self, near: Places, goal: complex, held: float) -> Places:
+        """Return places (S,) to pass things by, from which the shortest ways lead to the goal [m].
+
+        Args:
+            near: (K,) things [m].
+            goal: Where it is [m].
+            held: How far the hand is from the axle [m].
+        """
+        side = np.array([[1.0], [-1.0]])
+        far, beyond = np.abs(near), np.abs(goal - near)
+        here, there = (np.arcsin(self._round / np.maximum(x, self._round)) for x in (far, beyond))
+        bend = side * np.angle(near * np.conj(goal - near)) + here + there
+        bend = np.clip((bend + np.pi) % (2 * np.pi) - np.pi, 0.0, SHARP)
+        tangent = np.sqrt(np.maximum(far**2 - self._round**2, 0.0))
+        way_there = tangent + self._round * np.tan(0.5 * bend)
+        places: Places = (way_there * np.exp(1j * (np.angle(near) + side * here))).ravel()
+        way = goal - places
+        rest = way * np.maximum(1 - held / np.maximum(np.abs(way), held), 0.0)
+        length = np.abs(places) + np.abs(way)
+        for begin, leg in ((np.zeros_like(places), places), (places, rest)):
+            length += BLOCKED * self._reach * (_apart(near, begin, leg) < self._half)
+        return places[np.argsort(length)[:WAYS]]
+
+
+def _square(places: Places) -> Array:
+    square: Array = places.real**2 + places.imag**2
+    return square
+
+
+def _apart(things: Places, begin: Places, leg: Places) -> Array:
+    """Return the least distance (S,) of things (K,) from straight legs."""
+    size = np.maximum(np.abs(leg), 1e-9)
+    off = (things - begin[:, None]) * np.conj(leg / size)[:, None]
+    beyond = off.real - np.clip(off.real, 0.0, size[:, None])
+    apart: Array = np.hypot(beyond, off.imag).min(axis=-1)
+    return apart

@@ -1,0 +1,69 @@
+"""A hand behind the axle: what is to be at a plan's end for it to stay over its goal."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from agents.agent import Array, Places
+
+OBLIQUE = 0.8
+"""[] Sine of the most that a platform heads off where the goal goes, to make up for the hand's own
+motion to the side. Chosen: at 1 the hand would drift as fast as the goal goes."""
+
+
+class Tail(NamedTuple):
+    """What is to be at the plan's end for a hand behind the axle to stay over its goal.
+
+    Attributes:
+        ahead: (..., 1) a, how far ahead of the axle the hand is [m].
+        heading: (..., 1) where the platform is to head, as e^i psi.
+        weight: (..., 1) T = 1 / (2 z), how long what is off there lasts [s].
+    """
+
+    ahead: Array
+    heading: Places
+    weight: Array
+
+
+def tail_of(goal: Places, hand: Places, times: Array, end: Array) -> Tail:
+    """Return what is to be at the plan's end.
+
+    A hand at h = a + i b, with a < 0, keeps to a goal that goes at V to phi while
+    V sin(phi - psi) = w a + b'. This is unstable at z = V / |a| (it has a zero there), so
+    psi is its bounded solution: backwards, from beyond the end, it follows
+    phi - asin(b' / V) with the time constant 1 / z (Devasia, Chen and Paden 1996,
+    "Nonlinear inversion-based output tracking"). Where it is off by y to the side at the
+    axle, an error of 2 y e^-zt brings it back with the least squares, so that the rest of
+    the cost is rho(2 y) / (2 z); slower than the horizon H, it need not be brought back:
+    1 / z becomes V |a| / (V^2 + a^2 / H^2).
+
+    Args:
+        goal: (..., N) as of a course, at the ends of the M intervals of a plan and on [m].
+        hand: (..., N) likewise.
+        times: (N,) of these [s].
+        end: (M,) of the intervals [s].
+    """
+    count = len(end)
+    last = count - 1
+    step = np.diff(times[last:])
+    going = np.diff(goal[..., last:], axis=-1) / step
+    drift = np.diff(hand[..., last:], axis=-1).imag / step
+    speed = np.maximum(np.abs(going), 1e-9)
+    sine = np.clip(drift / speed, -OBLIQUE, OBLIQUE)
+    steady = going / speed * (np.sqrt(1 - sine**2) - 1j * sine)
+    behind = np.maximum(-hand.real, 0.0)
+    kept = np.exp(-speed * step / np.maximum(behind[..., count:], 1e-9))
+    after = np.cumprod(kept, axis=-1)
+    heading = (steady * np.diff(after, axis=-1, prepend=1)).sum(axis=-1)
+    heading = after[..., -1] * steady[..., -1] - heading
+    heading = heading / np.maximum(np.abs(heading), 1e-9)
+    speed, behind = speed[..., 0], behind[..., last]
+    weight = speed * behind / (speed**2 + (behind / end[-1]) ** 2) / 2
+    ahead = hand[..., last].real
+    return Tail(ahead[..., None], heading[..., None], weight[..., None])
+
+
+def beside_goal(tail: Tail, heading: Places, missing: Places) -> Places:
+    """Twice what is missing at the axle (..., C) [m] at the plan's end, beside the hand."""
+    beside: Places = 2 * (missing[..., -1] + tail.ahead * (heading - tail.heading))
+    return beside

@@ -1,0 +1,180 @@
+"""The goal that a held button leads: it goes ahead of the hand, and waits for it. Pure.
+
+All arrays are float; positions and velocities are in the world (z up).
+"""
+
+import math
+
+import numpy as np
+
+from agents.agent import Array
+from agents.attitude import product, rotation_by, turn_between
+from nodes.hmi.jogging import UNSEEN, GoalPiece, Hand, Motion, is_at, within
+
+SLACK = 0.012
+"""How far the hand may be off the goal [m]: at that distance the goal stands and waits for it.
+
+Three fifths of the 20 mm that a hand may be beside the line of its button: it is a little further
+off while it brakes, or is braked.
+"""
+EASES = 2.0
+"""The goal goes at 1 - 1 / `EASES` of its speed or more until the hand is `SLACK` off it.
+
+Trade-off: with 1 it is a tenth slower, with 3 the hand is further beside its line and tilts more.
+"""
+LEASH = 0.06
+"""How far the goal may be from a hand that was pushed away [m]: five times `SLACK`."""
+LEASH_TURN = 0.3
+"""The same for its orientation [rad]: `LEASH` at the end of a grip of 0.2 m."""
+YIELDS = 0.1
+"""[s] in which the turn of a goal that waits goes over to the hand's, where that is off by `SLACK`.
+
+Trade-off: with twice as much hands of broken robots stand more often, with half of it those of
+sound ones tilt more.
+"""
+WAITS = 1e-3
+"""Share of its speed that a goal has that waits: if it stood, joints would try moves by chance."""
+
+
+def _leashed(ahead: Array, velocity: Array) -> Array:
+    """Return where a goal that moves may be, seen from the hand: no further than the leash.
+
+    It waits on its line, or the hand of a robot that cannot follow well would draw it off; only
+    where the line itself is further away it is drawn to the hand.
+    """
+    if float(np.linalg.norm(ahead)) <= LEASH:
+        return ahead
+    speed = float(np.linalg.norm(velocity))
+    if not speed > 0.0:
+        return within(ahead, LEASH)
+    direction = velocity / speed
+    along = float(ahead @ direction)
+    aside = ahead - along * direction
+    left = LEASH**2 - float(aside @ aside)
+    if left <= 0.0:
+        return within(ahead, LEASH)
+    most = math.sqrt(left)
+    result: Array = aside + min(max(along, -most), most) * direction
+    return result
+
+
+def _share(off: Array, way: Array) -> float:
+    """Return the largest share c of a way with |off + c way| <= `SLACK` min(1, `EASES` (1 - c)).
+
+    It is `WAITS` where there is none from 0 to 1.
+
+    Args:
+        off: What a hand will be off a goal that stands [m].
+        way: That the goal goes at its full speed [m].
+    """
+    share = _largest(off, way, EASES * SLACK, EASES * SLACK)
+    if not share >= 1.0 - 1.0 / EASES:
+        share = _largest(off, way, SLACK, 0.0)
+    return share if WAITS <= share <= 1.0 else WAITS
+
+
+def _largest(off: Array, way: Array, most: float, less: float) -> float:
+    """Return the largest c for which |off + c way| is `most` - c `less`; NaN if there is none.
+
+    It is the greater root of a c^2 + 2 b c + k if that is convex, and the smaller one if not.
+    """
+    a = float(way @ way) - less**2
+    b = float(off @ way) + most * less
+    k = float(off @ off) - most**2
+    if b * b < a * k or (b <= 0.0 and a <= 0.0):
+        return math.nan
+    root = math.sqrt(b * b - a * k)
+    return -k / (b + root) if b > 0.0 else (root - b) / a
+
+
+class LedGoal:
+    """The goal of one press in shared mode: it begins where the hand is, and waits for the hand.
+
+    So a button gives a direction and a largest speed, and a hand that cannot keep up with that, or
+    only beside its line, is slow and not astray. With v the speed that is wanted, the goal moves at
+    c v with the largest c for which the hand, if it goes on as it does until the lease H is over,
+    is then no further off than `SLACK`, and at nearly its full speed than a part of that:
+
+        |e + (c v - s') H| <= SLACK min(1, EASES (1 - c))
+
+    with s' the hand's velocity and e from the hand to where the goal was when that was seen,
+    `UNSEEN` ago. (It is an explicit reference governor: Nicotra and Garone 2018, "The explicit
+    reference governor".) It turns no faster than by the same share, and than
+    1 - phi / `LEASH_TURN` with the hand off its turn by phi.
+
+    A robot with broken joints cannot always go on and keep its hand turned as it was. It is to go
+    where it was sent first: phi fades in the time `YIELDS` / ((|e| / SLACK)^2 (1 - c)^4): where the
+    goal has to wait, and not for a hand that lags while it goes on.
+
+    Args:
+        hand: Where the hand is when the button is pressed.
+        now: When that is [s].
+        lease: For how long the goal moves on by itself [s].
+        step: Where a bounded step ends [m, or rad if it only turns]; None without a bound.
+    """
+
+    def __init__(self, hand: Hand, now: float, lease: float, step: float | None = None) -> None:
+        self._start = self._goal = self._hand = hand
+        self._last, self._lease, self._step = now, lease, step
+        self._motion = Motion(np.zeros(3), np.zeros(3))
+        self._share = 1.0  # c
+        self._moved, self._going = now, np.zeros(3)  # when the hand was seen to, how fast [s, m/s]
+
+    def advance(self, motion: Motion, hand: Hand, now: float) -> GoalPiece:
+        """Return the goal `now` [s], which from now on is to move like that, or slower.
+
+        It has gone on as it was to, but no longer than the lease, and no further from the hand
+        than the leash.
+        """
+        passed = min(max(now - self._last, 0.0), self._lease)
+        self._watch(hand, now)
+        before, self._last = self._motion, now
+        moved = min(passed, self._left(before))
+        ahead = self._goal.position + before.linear * moved - hand.position
+        ahead = _leashed(ahead, before.linear)
+        turned = product(rotation_by(before.angular * moved), self._goal.orientation)
+        off = within(turn_between(hand.orientation, turned), LEASH_TURN)
+        late = ahead - before.linear * UNSEEN
+        missed = float(np.linalg.norm(late)) / SLACK
+        off = off * math.exp(-(missed**2) * (1.0 - self._share) ** 4 * passed / YIELDS)
+        orientation = product(rotation_by(off), hand.orientation)
+        self._goal = Hand(hand.position + ahead, orientation / np.linalg.norm(orientation))
+        self._share = share = _share(late - self._going * self._lease, motion.linear * self._lease)
+        turning = min(share, max(1.0 - float(np.linalg.norm(off)) / LEASH_TURN, WAITS))
+        self._motion = motion = Motion(share * motion.linear, turning * motion.angular)
+        lasts = min(self._lease, self._left(motion))
+        if lasts <= 0.0:
+            motion = Motion(np.zeros(3), np.zeros(3))
+        return GoalPiece(self._goal, motion, lasts)
+
+    def _watch(self, hand: Hand, now: float) -> None:
+        """Take note of how fast a hand goes, of which each state may be looked at several times."""
+        since, gone = now - self._moved, hand.position - self._hand.position
+        if since > 0.0 and (gone.any() or since > UNSEEN):
+            weight = 1.0 - math.exp(-since / UNSEEN)
+            self._going = self._going + weight * (gone / since - self._going)
+            self._moved, self._hand = now, hand
+
+    @property
+    def pose(self) -> Hand:
+        """Where the goal was when it was advanced last."""
+        return self._goal
+
+    def arrived(self, hand: Hand) -> bool:
+        """Tell whether a bounded step is over: the goal at its end, and the hand at the goal."""
+        if self._step is None or self._left(self._motion) > 0.0:
+            return False
+        return is_at(hand, self._goal)
+
+    def _left(self, motion: Motion) -> float:
+        """Return for how long a motion may go on before a bounded step is done [s]."""
+        if self._step is None:
+            return math.inf
+        speed = float(np.linalg.norm(motion.linear))
+        gone = float(np.linalg.norm(self._goal.position - self._start.position))
+        if speed == 0.0:
+            speed = float(np.linalg.norm(motion.angular))
+            turn = turn_between(self._start.orientation, self._goal.orientation)
+            gone = float(np.linalg.norm(turn))
+        left = self._step - gone
+        return max(left, 0.0) / speed if speed and left > 1e-9 else 0.0

@@ -1,0 +1,22 @@
+"""When a joint moves by chance."""
+
+import pytest
+
+from agents.kick import Kicks
+from agents.number import ONE
+from agents.others import links_of
+
+HORIZON = 0.12
+
+
+@pytest.mark.parametrize(
+    ("way", "speed", "moves"), [(0, 0.0, True), (0, 0.1, False), (1, 0.1, False), (2, 0.1, False)]
+)
+def test_a_joint_moves_by_chance_unless_the_platform_carries_the_arm_on(body, way, speed, moves):
+    robot = body(0)
+    kicks, kick = Kicks(robot, links_of(robot)[0], 1.0, HORIZON), None
+    for tick in range(200):
+        t = 0.01 * tick
+        base = tuple(speed * t if axis == way else 0.0 for axis in range(3))
+        kick = kicks.watched(ONE, kick, b"", t, 0.1, base)
+    assert (kick.until > 0.0) is moves
