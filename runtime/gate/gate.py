@@ -46,6 +46,7 @@ class Gate:
         mode: The mode to begin with.
         halted_by: Who has halted it before it began.
         rest_after: Plant time in automatic mode after which it rests [s].
+        period: For which commands are in force [s].
     """
 
     def __init__(
@@ -53,6 +54,7 @@ class Gate:
         mode: Mode = "automatic",
         halted_by: str | None = None,
         rest_after: float | None = None,
+        period: float = 0.0,
     ) -> None:
         self.mode: Mode = "rest" if halted_by is not None else mode
         self.halted_by = halted_by
@@ -60,6 +62,7 @@ class Gate:
         self.why = ""
         self.paused = 0.0
         self._automatic, self._rest_after = 0.0, rest_after
+        self._stands = max(LEASE - period, SLOWS)  # of silence at which it stands [s]
         self._held: JogMessage | None = None
         self._arrived = 0.0  # the last message of the press that is held
         self._deaf_until = -math.inf
@@ -156,10 +159,18 @@ class Gate:
         return self._held
 
     def speed_share(self, now: float) -> float:
-        """Return how fast what is held may move the robot `now` [s], from 1 to 0 at its end."""
+        """Return how fast what is held may move the robot `now` [s], from 1 to 0 at its end.
+
+        That is one period before the press ends, since the commands of now last so long.
+        """
         if self.held(now) is None:
             return 0.0
-        return min((LEASE - (now - self._arrived)) / (LEASE - SLOWS), 1.0)
+        silent = now - self._arrived
+        if silent <= SLOWS:
+            return 1.0
+        if silent >= self._stands:
+            return 0.0
+        return (self._stands - silent) / (self._stands - SLOWS)
 
     def pass_time(self, elapsed: float) -> None:
         """Note that plant time went on by that [s] in the present mode."""

@@ -99,7 +99,7 @@ class OperatorInput:
             mode = self._process.deployment.first_mode
         except (OSError, ValueError, KeyError, TypeError) as error:
             halted_by = f"its plant, which cannot read {self._file.name} ({type(error).__name__})"
-        return Gate(mode, halted_by, start.rest_after)
+        return Gate(mode, halted_by, start.rest_after, self._period)
 
     def _keep(self) -> None:
         """Keep what a plant that is revived in the same run has to know."""

@@ -230,6 +230,18 @@ def test_a_press_slows_down_as_its_last_message_grows_old(age: float, share: flo
     assert gate.speed_share(age) == pytest.approx(share)
 
 
+@pytest.mark.parametrize("period", [0.001, 0.02, 0.06, 0.1])
+@pytest.mark.parametrize("phase", [0.0, 0.3, 0.6, 0.9])
+def test_a_hand_of_150_mm_a_second_goes_less_than_30_mm_on(period: float, phase: float) -> None:
+    """From when the last message arrived, between two turns of the control loop."""
+    gate = Gate("shared", period=period)
+    jog(1)(gate, 0.0)
+    turns = [(phase + n) * period for n in range(int(LEASE / period) + 2)]
+    moving = phase * period + sum(period * gate.speed_share(turn) for turn in turns)
+    assert 0.15 * moving <= 0.026
+    assert gate.speed_share(turns[-1]) == 0.0
+
+
 def test_why_a_press_moves_nothing_is_said() -> None:
     gate = Gate("shared")
     jog(1)(gate, 0.0)
