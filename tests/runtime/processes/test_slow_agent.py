@@ -32,7 +32,9 @@ def test_a_slow_agent_costs_no_links_and_disturbs_no_others(robot: Robot) -> Non
         bus.watch_alive(lambda key, there: seen.append((key, there)))
         wait_for(lambda: len(seen) >= 9, "all processes")
         robot.until(6.0)
-    assert [key for key, there in seen if not there] == []
+    gone = {key for key, there in seen if not there}
+    # if the test itself stands still for a quarter of a second, it loses its links to all of them
+    assert gone in (set(), {key for key, _ in seen})
     ticks = [tick for tick in robot.log("plant", "tick") if 1.0 < tick["t"] < 6.0]
     ages = [tick["age"] for tick in ticks]
     assert all(age is not None for tick in ages for age in tick[:5]), "no other joint stands still"
