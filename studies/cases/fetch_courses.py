@@ -17,6 +17,9 @@ ABOVE = 0.06
 """How high above the table's top the cup is taken [m]: a little above its middle."""
 BEFORE = 0.1
 """How far before the cup, as the robot comes, the hand opens [m]."""
+ASIDE = 0.4
+"""How far to the side of the person the cup is carried before it goes there [m]: a hand that came
+back over the platform at once would need it away, and it only drives forward, under the table."""
 LOCKED = (1, 4, 6)
 """The joints of which one is locked after the grasp."""
 
@@ -66,8 +69,11 @@ class Course:
     def _steps(self) -> list[dict[str, object]]:
         height, cup = TOP + ABOVE, self.cup.tolist()
         before = self.cup * (1.0 - BEFORE / np.linalg.norm(self.cup))
+        ahead_x, ahead_y = self.cup / np.linalg.norm(self.cup)
+        left = np.array([-ahead_y, ahead_x])
+        aside = self.cup + ASIDE * np.sign(left @ self.away) * left
         places = [[*before.tolist(), height], [*cup, height], [*cup, height], [*cup, TOP + 0.25]]
-        places.append(self.mouth.tolist())
+        places += [[*aside.tolist(), TOP + 0.3], self.mouth.tolist()]
         return [
             {"position": place, "rpy": [0.0, 0.0, 0.0], "free": "roll", "grip": 0.0, "holds": True}
             if index > 1
