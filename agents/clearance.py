@@ -9,7 +9,6 @@ which is a residual more for its Gauss-Newton step: the same law, with things or
 """
 
 import numpy as np
-import numpy.typing as npt
 
 from agents.agent import Array, Places
 from agents.outline import Outline
@@ -54,26 +53,17 @@ class Clearance:
         self._until = np.concatenate([whole - 0.5 * np.eye(len(length)), whole])
         self._mix = mix
 
-    def cost(self, near: Places, places: list[Places], headings: list[Places]) -> Array:
-        """Return what poses cost together (..., C) [m2 s].
-
-        Args:
-            near: (K,) things [m].
-            places: (..., C, M) in the middle of each interval, and at its end [m].
-            headings: As e^ia.
-        """
-        short, _ = self._worst(near, np.concatenate(places, -1), np.concatenate(headings, -1))
+    def cost(self, short: Array) -> Array:
+        """Return what poses with gaps too small (..., C, 2 M) cost together (..., C) [m2 s]."""
         cost: Array = short**2 @ self._weight
         return cost
 
-    def _worst(
-        self, near: Places, place: Places, heading: Places
-    ) -> tuple[Array, npt.NDArray[np.intp]]:
-        """Return by how much (..., C, 2 M) the worst gap is too small [m], and which thing it is.
+    def short(self, near: Places, moved: Places) -> tuple[Array, Places]:
+        """Return by how much (..., C, 2 M) the least gap is too small [m], and to what [m].
 
         Only what is within a circle around the platform can be too near: most things are not.
         """
-        poses, turns = place.ravel(), np.conj(heading).ravel()
+        poses, turns = moved[..., :2, :].ravel(), np.conj(moved[..., 2:4, :]).ravel()
         squares = np.stack([-2 * near.real, -2 * near.imag, np.ones(near.shape), _square(near)])
         rows = [poses.real, poses.imag, _square(poses), np.ones(poses.shape)]
         pose, thing = np.nonzero(np.stack(rows, axis=-1) @ squares < self._within2)
@@ -82,29 +72,26 @@ class Clearance:
         short[pose, thing] = np.maximum(self._margin - gap, 0.0)
         worst = short.argmax(axis=-1)
         most = short[np.arange(len(poses)), worst]
-        return most.reshape(place.shape), worst.reshape(place.shape)
+        shape = *moved.shape[:-2], 2 * moved.shape[-1]
+        return most.reshape(shape), near[worst].reshape(shape)
 
-    def rows(
-        self, near: Places, places: list[Places], headings: list[Places]
-    ) -> tuple[Array, Array]:
+    def rows(self, moved: Places, short: Array, nearest: Places) -> tuple[Array, Array]:
         """Return slopes (..., C, 2 M, 2 M) and residuals (..., C, 2 M) of a Gauss-Newton step.
 
         The thing that is nearest, at o, comes nearer as the point of the platform that is there
         moves: by T_k e^ia_k for v_k, by i T_k (o - p_k) for w_k.
 
         Args:
-            near: (K,) things [m].
-            places: As of `cost`.
-            headings: Likewise.
+            moved: As of `Tried`.
+            short: (..., C, 2 M) as of `short` [m].
+            nearest: Likewise.
         """
-        pivot, middle = places[0], headings[0]
-        place, heading = np.concatenate(places, -1), np.concatenate(headings, -1)
-        short, worst = self._worst(near, place, heading)
-        thing = near[worst]
-        normal = self._outline.normal((thing - place) * np.conj(heading))
+        pivot, middle = moved[..., 0, :], moved[..., 2, :]
+        place, heading = (moved[..., i : i + 2, :].reshape(short.shape) for i in (0, 2))
+        normal = self._outline.normal((nearest - place) * np.conj(heading))
         root = np.sqrt(self._weight) * (short > 0)
         ahead = self._until * (middle * self._most[0])[..., None, :]
-        around = 1j * (thing[..., None] - pivot[..., None, :]) * self._most[1] * self._until
+        around = 1j * (nearest[..., None] - pivot[..., None, :]) * self._most[1] * self._until
         ways = np.concatenate([ahead @ self._mix, around @ self._mix], axis=-1)
         slope = -(np.conj(normal * heading)[..., None] * ways).real
         return slope * root[..., None], short * root

@@ -26,10 +26,7 @@ def lifted(
     This holds as far as the level motion follows from the rise, as it does where but one joint
     moves. Second is the slope (...) [m/m] now.
     """
-    axes, lever = (
-        np.moveaxis(arm.axes, -1, 0),
-        np.moveaxis(arm.tip[..., None, :] - arm.points, -1, 0),
-    )
+    axes, lever = _split(arm.axes), _split(arm.tip[..., None, :] - arm.points)
     way = _across(axes, lever)  # (3, ..., n) [m/rad]
     level, rises = way[0] + 1j * way[1], way[2]
     lifts = moved * rises**2
@@ -37,14 +34,14 @@ def lifted(
     together = (moved * rises * level).sum(axis=-1)
     slides = (moved * np.abs(level) ** 2).sum(axis=-1)
     follows = 1 - (slides - np.abs(together) ** 2 / rise) / (slides + rise)
-    follows = np.clip(follows, 0.0, 1.0) ** ALONE
+    follows = follows.clip(0.0, 1.0) ** ALONE
     inward = _across(way, axes)  # from the circle's centre to the hand
     size = np.maximum(np.hypot(inward[2], rises), 1e-9)[..., None]
     phase = np.arctan2(rises, inward[2])[..., None]
     up = height[..., None, :] - (arm.tip[..., 2, None] - inward[2])[..., None]
     up = up / size
-    most = np.clip(np.abs(inward[2])[..., None] / size, TOP, (1 + TOP) / 2)
-    within = np.clip(up, -most, most)
+    most = (np.abs(inward[2])[..., None] / size).clip(TOP, (1 + TOP) / 2)
+    within = up.clip(-most, most)
     off = np.where(phase > 0, 1.0, -1.0) * np.arccos(within)
     near, far = phase - off, np.angle(np.exp(1j * (phase + off)))
     low, high = room[..., 0, :, None], room[..., 1, :, None]
@@ -58,7 +55,11 @@ def lifted(
     return follows[..., None] * mean, follows * together / rise
 
 
-def _across(one: Array | tuple[Array, ...], other: Array) -> tuple[Array, Array, Array]:
+def _split(vectors: Array) -> tuple[Array, Array, Array]:
+    return vectors[..., 0], vectors[..., 1], vectors[..., 2]
+
+
+def _across(one: tuple[Array, ...], other: tuple[Array, ...]) -> tuple[Array, Array, Array]:
     """Return the components of the cross product of two vectors, faster than numpy for a few."""
     (a, b, c), (x, y, z) = one, other
     return b * z - c * y, c * x - a * z, a * y - b * x

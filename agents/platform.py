@@ -141,6 +141,9 @@ class PlatformAgent(Agent):
             outline = self._avoiding.outline
         self._planner = Planner(self._top, change, self._length, outline)
         self._unit, self._period = self._planner.unit, body.period
+        self._fades = FADES * self._unit
+        self._rising = np.exp(-self._planner.times / (SOON * self._unit))
+        self._faded = 1 - np.exp(-self._planner.times / self._fades)
         self.rest = REST * float(self._planner.length[0])
         self._stops = np.stack([body.robot.lower, body.robot.upper])
         self._reach, self._bearing = reach * self._length, bearing
@@ -162,7 +165,7 @@ class PlatformAgent(Agent):
         self.perception = "blackboard" if view.certain else "localiser"
         own, memory = self._looked(percepts.t, percepts.base), self._memory
         product, square = own.able
-        able = np.clip((product + STILL**2) / (square + STILL**2), LEAST, 1.0)
+        able = ((product + STILL**2) / (square + STILL**2)).clip(LEAST, 1.0)
         if memory is not None and memory.hand.shape != (*percepts.base.shape[:-1], 3):
             memory = None
         every = PLANS * self._unit - 0.5 * self._period
@@ -185,7 +188,7 @@ class PlatformAgent(Agent):
         wanted = memory.now + share * (soon - memory.now)
         if self._avoiding is not None:
             wanted = np.where(self._avoiding.shares > 0, wanted, 0.0)  # brakes at once
-        told = np.clip(wanted / able, FORWARD, 1.0)
+        told = (wanted / able).clip(FORWARD, 1.0)
         self._own = own._replace(told=told)
         speeds: Array = told * self._top
         if not np.isfinite(speeds).all():  # a percept beyond all reason: begin as a new agent does
@@ -203,7 +206,7 @@ class PlatformAgent(Agent):
         if not t > old.t:
             return old
         way, speed, seen = base - old.base, np.empty_like(old.told), np.empty_like(old.able)
-        turn = way[..., 2] - 2 * np.pi * np.round(way[..., 2] / (2 * np.pi))
+        turn = way[..., 2] - 2 * np.pi * np.rint(way[..., 2] / (2 * np.pi))
         heading = old.base[..., 2] + 0.5 * turn
         speed[..., 0] = way[..., 0] * np.cos(heading) + way[..., 1] * np.sin(heading)
         speed[..., 1] = turn
@@ -222,7 +225,7 @@ class PlatformAgent(Agent):
         assert base is not None
         assert goal is not None
         hand, aim, velocity = np.asarray(view.hand), goal.at(t), goal.velocity_at(t)
-        if old is not None and not 0 < t - old.t < FADES * self._unit:
+        if old is not None and not 0 < t - old.t < self._fades:
             old = None
         elapsed = PLANS * self._unit if old is None else t - old.t
         turn, place = np.exp(-1j * base[..., 2]), _flat(base)
@@ -239,17 +242,18 @@ class PlatformAgent(Agent):
         bent = np.angle(going * np.conj(old.going))
         bends = self._bent(elapsed, old.bends, bent, (np.abs(bent) < CORNER) & (going != 0))
         angle = 1j * bends[1][..., None] * end
-        arc = np.where(angle == 0, 1.0, np.expm1(angle) / np.where(angle == 0, 1.0, angle))
+        straight = angle == 0
+        arc = np.where(straight, 1.0, np.expm1(angle) / np.where(straight, 1.0, angle))
         goal_then = target[..., None] + (going * turn)[..., None] * end * arc
         # the arm lifts the hand as it has of late; the rest of its own motion fades
         drift = (hand - old.hand) / elapsed
         speed = own.speed * self._top
         arm_drift = _flat(drift) * turn - speed[..., 0] - 1j * held * speed[..., 1]
-        below = (aim - hand)[..., 2, None] * np.exp(-end / (SOON * self._unit))
+        below = (aim - hand)[..., 2, None] * self._rising
         height = aim[..., 2, None] + velocity[..., 2, None] * end - below
         moved, hand_then = old.moved, held[..., None]
         if view.arm is not None and percepts.joints is not None:
-            fresh = np.nan_to_num(percepts.joints.velocity) ** 2
+            fresh = np.fmax(percepts.joints.velocity**2, 0.0)  # not a number counts as none
             moved = old.moved + (1.0 if old.plan is None else self._share(elapsed, SOON)) * (
                 fresh - old.moved
             )
@@ -259,10 +263,9 @@ class PlatformAgent(Agent):
             known = np.asarray(view.modelled, dtype=float) * turn
             hand_then = hand_then + known[..., None] * shift
             arm_drift = arm_drift - known * slope * drift[..., 2]
-        fades = FADES * self._unit  # sooner the faster it is: a swing ends
-        far = arm_drift * fades
+        far = arm_drift * self._fades  # sooner the faster it is: a swing ends
         far = far / (1 + np.abs(far) / (SWINGS * self._length))
-        hand_then = hand_then + far[..., None] * (1 - np.exp(-end / fades))
+        hand_then = hand_then + far[..., None] * self._faded
         # what stays missing is asked for more; comfort only while nothing is missing
         missing = target - held
         off, trifle = np.abs(missing), TRIFLE * self._length
@@ -270,10 +273,10 @@ class PlatformAgent(Agent):
         more = elapsed / self._unit * missing * np.conj(turn)
         lasting = old.lasting + np.where(sums, more, -share * old.lasting)
         whole, turned = self._turned(view, goal, t, aim - hand)
-        content = np.clip(1 - whole / (CONTENT * self._length), 0.0, 1.0)
+        content = (1 - whole / (CONTENT * self._length)).clip(0.0, 1.0)
         ease = old.ease + share * (content * self._comfort(held, hand[..., 2]) - old.ease)
         wanted = goal_then + (lasting * turn + ease)[..., None]
-        now = np.clip(own.speed, FORWARD, 1.0)
+        now = own.speed.clip(FORWARD, 1.0)
         before = None if old.plan is None else self._planner.later(old.plan, elapsed)
         near = None
         if self._avoiding is not None:
@@ -283,7 +286,7 @@ class PlatformAgent(Agent):
         plan, missed = yield from self._planner.plan(course, before)
         if self._avoiding is not None:
             self.trouble = self._avoiding.limited(base, plan[0] * self._top, np.abs(missing))
-        left = missed[..., self._planner.end >= fades].max(axis=-1)
+        left = missed[..., self._planner.end >= self._fades].max(axis=-1)
         return Memory(t, hand, going, bends, moved, lasting, ease, plan, now, left)
 
     def _bent(

@@ -80,6 +80,34 @@ class Course(NamedTuple):
     near: Places | None = None
 
 
+class Tried(NamedTuple):
+    """Plans and what comes of them, C for each platform.
+
+    Attributes:
+        plan: (..., C, M, 2) shares of the tops.
+        change: (..., C, M, 2) of these from one interval to the next, as it counts.
+        moved: (..., C, 5, M) places in mid-interval and at its end [m], headings e^ia then, and
+            what is missing at its end [m].
+        far: (..., C, M) how far that is [m].
+        time: (..., C) from the plan's end to the goal, at least [s].
+        cost: (..., C) [m2 s].
+        short, nearest: (..., C, 2 M) as of `Clearance.short`; None where nothing is near.
+    """
+
+    plan: Array
+    change: Array
+    moved: Places
+    far: Array
+    time: Array
+    cost: Array
+    short: Array | None
+    nearest: Places | None
+
+    def chosen(self, index: npt.NDArray[np.intp]) -> "Tried":
+        """Return those of indices (..., S)."""
+        return Tried(*(None if each is None else _taken(each, index) for each in self))  # type: ignore[arg-type]
+
+
 class Planner:
     """Plans for one kind of platform, for any leading dimensions."""
 
@@ -95,10 +123,11 @@ class Planner:
             outline: Of a platform that sees things; None if it sees none.
         """
         self.top, self.reach, self.unit = top, reach, reach / float(top[0])
-        self._change = acceleration / top
         self.length = FIRST * self.unit * GROWTH ** np.arange(INTERVALS)  # [s] of the intervals
         self.times = np.cumsum(FIRST * self.unit * GROWTH ** np.arange(INTERVALS + BEYOND))
         self.end = self.times[:INTERVALS]
+        self._begin, self._lasts = self.end - self.length, np.append(self.end[:-1], np.inf)
+        self._change = acceleration / top * self.end[:, None]  # the most by then
         self._small = SMALL * reach
         self._most_ahead, self._most_turn = self.length * top[:, None]  # [m], [rad] in each
         late = FIRST * self.unit / self.length  # of each mean speed that is still the one before
@@ -111,9 +140,12 @@ class Planner:
         self._first = float(size[0])
         self._changes = size[:, None] * (np.eye(INTERVALS) - np.eye(INTERVALS, k=-1))
         self._turning = (MOVES * reach) ** 2 * self.length[:, None] * np.array([0.0, 1.0])
+        self._linear = np.concatenate([self._mix, self._changes])
         self._stiff = np.kron(np.eye(2), self._changes.T @ self._changes)
         self._stiff += np.diag(self._turning.T.ravel())
-        self._until = np.tri(INTERVALS)
+        self._until, self._row = np.tri(INTERVALS), np.arange(2 * INTERVALS)
+        self._spin = self._most_turn @ self._mix
+        self._spins = (self._until * self._most_turn) @ self._mix
         self._shares = np.array(STEPS)[:, None]
         self._final = np.exp(2j * np.pi * np.arange(SEEDS) / SEEDS)
 
@@ -124,92 +156,79 @@ class Planner:
         (`before`), and the best of those that stop, go on, or turn, drive and turn. It is worked
         out in parts of about the same time, after each of which the caller may wait.
         """
-        held = np.broadcast_to(course.now[..., None, :], (*course.goal.shape[:-1], INTERVALS, 2))
         least, most = self._bounds(course)
-        others = np.stack([np.zeros_like(held), held], axis=-3)
-        others = np.concatenate([others, self._seeds(course)], axis=-3)
+        others = [self._seeds(course)]
         if self._clearance is not None and course.near is not None:
-            ways = self._clearance.detours(
-                course.near, course.goal, course.hand, self.end, self.top
-            )
-            others = np.concatenate([others, ways], axis=-3)
-        others = np.clip(others, least, most)
+            near, goal, hand = course.near, course.goal, course.hand
+            others.append(self._clearance.detours(near, goal, hand, self.end, self.top))
+        held = np.empty((*course.goal.shape[:-1], 1, INTERVALS, 2))
+        held[...] = course.now[..., None, None, :]
+        first = held if before is None else before[..., None, :, :]
+        plans = np.concatenate([np.zeros_like(held), held, *others, first], axis=-3)
         tail = tail_of(course.goal, course.hand, self.times, self.end)
-        best = self._cost(course, tail, others)[0].argmin(axis=-1)[..., None]
-        first = held if before is None else before
-        both = np.concatenate(
-            [
-                np.clip(first[..., None, :, :], least, most),
-                np.take_along_axis(others, best[..., None, None], axis=-3),
-            ],
-            axis=-3,
-        )
+        tried = self._tried(course, tail, plans.clip(least, most))
+        index = np.full((*course.goal.shape[:-1], 2), plans.shape[-3] - 1)
+        index[..., 1] = tried.cost[..., :-1].argmin(axis=-1)
         yield
-        both, costs, left = yield from self._improved(course, tail, both, least, most)
-        takes = costs[..., 1] < BETTER * costs[..., 0]
-        plan = np.where(takes[..., None, None], both[..., 1, :, :], both[..., 0, :, :])
-        return plan, np.where(takes[..., None], left[..., 1, :], left[..., 0, :])
+        tried = yield from self._improved(course, tail, tried.chosen(index), least, most)
+        costs = tried.cost.reshape(*index.shape, len(STEPS))
+        best, cost = costs.argmin(axis=-1), costs.min(axis=-1)
+        takes = cost[..., 1] < BETTER * cost[..., 0]
+        index = np.where(takes, best[..., 1] + len(STEPS), best[..., 0])[..., None]
+        return _taken(tried.plan, index)[..., 0, :, :], _taken(tried.far, index)[..., 0, :]
 
     def later(self, plan: Array, elapsed: float) -> Array:
         """Return what is left of plans (..., M, 2), `elapsed` [s] later; their end lasts."""
-        begin, end = self.end - self.length, np.append(self.end[:-1], np.inf)
-        inside = np.minimum(self.end[:, None] + elapsed, end)
-        inside = inside - np.maximum(begin[:, None] + elapsed, begin)
+        inside = np.minimum(self.end[:, None] + elapsed, self._lasts)
+        inside = inside - np.maximum(self._begin[:, None] + elapsed, self._begin)
         left: Array = np.maximum(inside, 0.0) / self.length[:, None] @ plan
         return left
 
     def _bounds(self, course: Course) -> tuple[Array, Array]:
         """Return the least and most speeds (..., 1, M, 2) there can be; never backwards."""
         now, able = course.now[..., None, None, :], course.able[..., None, None, :]
-        change, floor = self._change * self.end[:, None], able * FORWARD
-        least: Array = np.clip(now - change, floor, able)
-        most: Array = np.clip(now + change, floor, able)
-        return least, most
+        floor = able * FORWARD
+        return (now - self._change).clip(floor, able), (now + self._change).clip(floor, able)
 
-    def _moved(self, course: Course, plan: Array) -> tuple[list[Places], list[Places], Places]:
-        """Return places and headings, in mid-interval and at its end, and what is missing then.
-
-        All (..., C, M).
-        """
-        speed = self._mix @ plan
-        speed[..., 0, :] += course.now[..., None, :]
+    def _moved(self, course: Course, speed: Array) -> Places:
+        """Return what comes of mean speeds (..., C, M, 2): see `Tried.moved`."""
         turn = speed[..., 1] * self._most_turn
-        angle = np.cumsum(turn, axis=-1)
+        angle = turn.cumsum(axis=-1)
         half = 0.5 * turn
-        middle = np.exp(1j * (angle - half))
+        middle, heading = np.exp(1j * (angle - half)), np.exp(1j * angle)
         half += 1e-300  # a chord is sin(half) / half of its arc
         way = speed[..., 0] * self._most_ahead * (np.sin(half) / half) * middle
-        place = np.cumsum(way, axis=-1)
-        heading = np.exp(1j * angle)
+        place = way.cumsum(axis=-1)
         hand = place + heading * course.hand[..., None, :INTERVALS]
         missing = course.goal[..., None, :INTERVALS] - hand
-        return [place - 0.5 * way, place], [middle, heading], missing
+        return np.stack([place - 0.5 * way, place, middle, heading, missing], axis=-2)
 
     def _rho(self, missing: Array) -> Array:
         size: Array = self._small**2 / POWER * ((1 + (missing / self._small) ** 2) ** POWER - 1)
         return size
 
-    def _cost(self, course: Course, tail: Tail, plan: Array) -> tuple[Array, Array]:
-        """Return the cost (..., C) [m2 s] of plans (..., C, M, 2), and their errors (..., C, M)."""
-        places, headings, missing = self._moved(course, plan)
-        far, heading = np.abs(missing), headings[1][..., -1]
-        rho, last = self._rho(_with_turn(course, headings[1], far)), far[..., -1]
+    def _tried(self, course: Course, tail: Tail, plan: Array) -> Tried:
+        """Return what comes of plans (..., C, M, 2)."""
+        linear, now = self._linear @ plan, course.now[..., None, :]
+        linear[..., 0, :] += now
+        linear[..., INTERVALS, :] -= self._first * now
+        speed, change = linear[..., :INTERVALS, :], linear[..., INTERVALS:, :]
+        moved = self._moved(course, speed)
+        headings, missing = moved[..., 3, :], moved[..., 4, :]
+        far, heading = np.abs(missing), headings[..., -1]
+        rho, last = self._rho(_with_turn(course, headings, far)), far[..., -1]
         time, turns = self._to_go(course, heading, missing[..., -1])
         beside = self._rho(np.abs(beside_goal(tail, heading, missing)))
         swing = np.abs(course.hand[..., None, INTERVALS - 1]) * np.minimum(turns, np.pi) / 2
         swing = self._rho(swing) * last**2 / (last**2 + 4 * (TRIFLE * self.reach) ** 2)
         rest = rho[..., -1] * (END * self.unit + time / 2) + swing * turns / self.top[1]
-        change = self._changed(course, plan)
         moves = (change**2 + self._turning * plan**2).sum(axis=(-1, -2))
         cost: Array = rho @ self.length + rest + tail.weight * beside + moves
+        short, nearest = None, None
         if self._clearance is not None and course.near is not None:
-            cost += self._clearance.cost(course.near, places, headings)
-        return cost, far
-
-    def _changed(self, course: Course, plan: Array) -> Array:
-        change: Array = self._changes @ plan
-        change[..., 0, :] -= self._first * course.now[..., None, :]
-        return change
+            short, nearest = self._clearance.short(course.near, moved)
+            cost += self._clearance.cost(short)
+        return Tried(plan, change, moved, far, time, cost, short, nearest)
 
     def _to_go(self, course: Course, heading: Places, missing: Places) -> tuple[Array, Array]:
         """Return the least time (..., C) [s] to turn, drive and turn to the goal, and the turns.
@@ -218,88 +237,83 @@ class Planner:
         """
         hand = course.hand[..., None, INTERVALS - 1]
         way = (missing * np.conj(heading) + hand)[..., None] - self._final * hand[..., None]
-        turns = np.abs(np.angle(way)) + np.abs(np.angle(self._final * np.conj(way)))
+        first, second = np.abs(self._turns(way))
+        turns = first + second
         time = np.abs(way) / self.top[0] + turns / self.top[1]
         best = time.argmin(axis=-1)[..., None]
         return time.min(axis=-1), _taken(turns, best)[..., 0]
 
-    def _improved(
-        self, course: Course, tail: Tail, plan: Array, least: Array, most: Array
-    ) -> InParts[tuple[Array, Array, Array]]:
-        """Return plans (..., C, M, 2) after one Gauss-Newton step within bounds.
+    def _turns(self, way: Places) -> Array:
+        """Return the turns (2, ..., S) [rad] to ways, and from there to the headings at the end."""
+        turns: Array = np.angle(np.stack([way, self._final * np.conj(way)]))
+        return turns
 
-        Then their costs (..., C) and errors (..., C, M).
+    def _improved(
+        self, course: Course, tail: Tail, both: Tried, least: Array, most: Array
+    ) -> InParts[Tried]:
+        """Return plans (..., C) after one Gauss-Newton step within bounds, each with all `STEPS`.
 
         The hand turns about where the platform is in mid-interval, so that
         dh_j / dv_k = T_k e^ia_k and dh_j / dw_k = i T_k (h_j - p_k) for k up to j.
         """
-        places, turns, missing = self._moved(course, plan)
-        pivot, (middle, headings), rows = places[0], turns, None
+        plan, moved = both.plan, both.moved
+        pivot, middle, headings, missing = (moved[..., i, :] for i in (0, 2, 3, 4))
         heading = headings[..., -1]
-        if self._clearance is not None and course.near is not None:
-            rows = self._clearance.rows(course.near, places, turns)
         hand = course.goal[..., None, :INTERVALS] - missing
         ahead = (self._until * (middle * self._most_ahead)[..., None, :]) @ self._mix
         around = 1j * (hand[..., :, None] - pivot[..., None, :]) * self._most_turn
         ways = np.concatenate([ahead, (self._until * around) @ self._mix], axis=-1)
-        weight = np.broadcast_to(self.length, missing.shape).copy()
-        weight[..., -1] += END * self.unit + self._to_go(course, heading, missing[..., -1])[0] / 2
         aside = 2 * ways[..., -1:, :]
-        spin = 2j * (tail.ahead * heading)[..., None, None] * (self._most_turn @ self._mix)
-        aside[..., INTERVALS:] -= spin
-        ways = np.concatenate([ways, aside], axis=-2)
-        lasts = np.broadcast_to(tail.weight, heading.shape)[..., None]
-        weight = np.concatenate([weight, lasts], axis=-1)
-        missing = np.concatenate([missing, beside_goal(tail, heading, missing)[..., None]], axis=-1)
-        far = np.abs(missing)
-        far[..., :INTERVALS] = _with_turn(course, headings, far[..., :INTERVALS])
+        aside[..., INTERVALS:] -= 2j * (tail.ahead * heading)[..., None, None] * self._spin
+        weight = np.empty((*missing.shape[:-1], INTERVALS + 1))
+        weight[..., :-1] = self.length
+        weight[..., -2] += END * self.unit + both.time / 2
+        weight[..., -1] = tail.weight
+        beside = beside_goal(tail, heading, missing)[..., None]
+        far = np.concatenate([_with_turn(course, headings, both.far), np.abs(beside)], axis=-1)
         root = np.sqrt(weight * (1 + (far / self._small) ** 2) ** (POWER - 1))
+        slopes, errors = [ways, aside], [missing, beside]
         if course.turn is not None:
             turned = headings * course.turn[..., None]
-            spins = 1j * turned[..., None] * ((self._until * self._most_turn) @ self._mix)
-            spins = np.concatenate([np.zeros_like(spins), spins], axis=-1)
-            ways = np.concatenate([ways, spins], axis=-2)
-            missing = np.concatenate([missing, np.abs(turned) - turned], axis=-1)
+            spins = 1j * turned[..., None] * self._spins
+            slopes.append(np.concatenate([np.zeros_like(spins), spins], axis=-1))
+            errors.append(np.abs(turned) - turned)
             root = np.concatenate([root, root[..., :INTERVALS]], axis=-1)
-        slope = np.concatenate([ways.real, ways.imag], axis=-2) * np.tile(root, 2)[..., None]
-        error = np.concatenate([missing.real * root, missing.imag * root], axis=-1)
-        if rows is not None:
-            slope = np.concatenate([slope, rows[0]], axis=-2)
-            error = np.concatenate([error, rows[1]], axis=-1)
-        turned = np.swapaxes(slope, -1, -2)
-        down = (turned @ error[..., None])[..., 0]
-        down -= _flat(self._changes.T @ self._changed(course, plan) + self._turning * plan)
+        root = np.concatenate([root, root], axis=-1)
+        slope = np.concatenate([x.real for x in slopes] + [x.imag for x in slopes], axis=-2)
+        error = np.concatenate([x.real for x in errors] + [x.imag for x in errors], axis=-1)
+        slope, error = slope * root[..., None], error * root
+        if self._clearance is not None and both.short is not None and both.nearest is not None:
+            rows, shorts = self._clearance.rows(moved, both.short, both.nearest)
+            slope = np.concatenate([slope, rows], axis=-2)
+            error = np.concatenate([error, shorts], axis=-1)
+        down = (slope.mT @ error[..., None])[..., 0]
+        down -= _flat(self._changes.T @ both.change + self._turning * plan)
         at, low, high = _flat(plan), _flat(least), _flat(most)
         free = ~(((at <= low) & (down < 0)) | ((at >= high) & (down > 0)))
-        bend = (turned @ slope + self._stiff) * (free[..., None] & free[..., None, :])
-        row = np.arange(2 * INTERVALS)
-        bend[..., row, row] += np.where(free, 1e-9, 1.0)
+        bend = (slope.mT @ slope + self._stiff) * (free[..., None] & free[..., None, :])
+        bend[..., self._row, self._row] += np.where(free, 1e-9, 1.0)
         yield
         step = np.linalg.solve(bend, np.where(free, down, 0.0)[..., None])[..., 0]
         tried = at[..., None, :] + self._shares * step[..., None, :]
-        tried = np.clip(tried, low[..., None, :], high[..., None, :])
-        tried = np.swapaxes(tried.reshape(*tried.shape[:-1], 2, INTERVALS), -1, -2)
-        each = tried.reshape(*tried.shape[:-4], -1, INTERVALS, 2)
-        costs, errors = self._cost(course, tail, each)
-        costs = costs.reshape(tried.shape[:-2])
-        best = costs.argmin(axis=-1)[..., None, None]
-        plan = np.take_along_axis(tried, best[..., None], axis=-3)[..., 0, :, :]
-        errors = np.take_along_axis(errors.reshape(tried.shape[:-1]), best, axis=-2)[..., 0, :]
-        return plan, costs.min(axis=-1), errors
+        tried = tried.clip(low[..., None, :], high[..., None, :])
+        tried = tried.reshape(*tried.shape[:-1], 2, INTERVALS).mT
+        return self._tried(course, tail, tried.reshape(*tried.shape[:-4], -1, INTERVALS, 2))
 
     def _seeds(self, course: Course) -> Array:
         """Return plans (..., S, M, 2) that turn, drive and turn, to end with each heading."""
         row = np.zeros((*course.goal.shape[:-1], SEEDS), dtype=np.intp)
+        lasts = np.empty((3, *row.shape))
         for _ in range(3):  # the goal goes on meanwhile
             way = _taken(course.goal, row) - self._final * _taken(course.hand, row)
-            turns = np.angle(way), np.angle(self._final * np.conj(way))
-            drive = np.abs(way) / self.top[0]
-            lasts = np.stack([abs(turns[0]) / self.top[1], drive, abs(turns[1]) / self.top[1]])
-            ends = np.cumsum(lasts, axis=0)
-            row = np.minimum(np.searchsorted(self.end, ends[-1]), INTERVALS - 1)
-        begins = np.maximum(self.end - self.length, (ends - lasts)[..., None])
+            turns = self._turns(way)
+            lasts[::2] = np.abs(turns) / self.top[1]
+            lasts[1] = np.abs(way) / self.top[0]
+            ends = lasts.cumsum(axis=0)
+            row = np.minimum(self.end.searchsorted(ends[-1]), INTERVALS - 1)
+        begins = np.maximum(self._begin, (ends - lasts)[..., None])
         share = np.maximum(np.minimum(self.end, ends[..., None]) - begins, 0.0) / self.length
-        first, second = (np.sign(turn)[..., None] for turn in turns)
+        first, second = np.sign(turns)[..., None]
         return np.stack([share[1], first * share[0] + second * share[2]], axis=-1)
 
 
@@ -312,13 +326,16 @@ def _with_turn(course: Course, heading: Places, far: Array) -> Array:
 
 
 def _taken(values: npt.NDArray[Any], index: npt.NDArray[np.intp]) -> npt.NDArray[Any]:
-    """Return values (..., K) at indices (..., S), a quarter of `take_along_axis`'s time."""
-    rows = np.arange(index[..., 0].size)[:, None]
-    taken = values.reshape(rows.size, -1)[rows, index.reshape(rows.size, -1)]
-    return taken.reshape(index.shape)
+    """Return values (..., K, *) at indices (..., S), a quarter of `take_along_axis`'s time."""
+    if index.ndim == 1:
+        return values[index]
+    flat = index.reshape(-1, index.shape[-1])
+    rest = values.shape[index.ndim :]
+    taken = values.reshape(len(flat), -1, *rest)[np.arange(len(flat))[:, None], flat]
+    return taken.reshape(*index.shape, *rest)
 
 
 def _flat(plan: Array) -> Array:
     """All speeds ahead (..., M, 2), then all of turning: (..., 2 M)."""
-    flat: Array = np.swapaxes(plan, -1, -2).reshape(*plan.shape[:-2], -1)
+    flat: Array = plan.mT.reshape(*plan.shape[:-2], -1)
     return flat

@@ -43,23 +43,24 @@ def tail_of(goal: Places, hand: Places, times: Array, end: Array) -> Tail:
         times: (N,) of these [s].
         end: (M,) of the intervals [s].
     """
-    count = len(end)
-    last = count - 1
-    step = np.diff(times[last:])
-    going = np.diff(goal[..., last:], axis=-1) / step
-    drift = np.diff(hand[..., last:], axis=-1).imag / step
+    last = len(end) - 1
+    times, goal, hand = times[last:], goal[..., last:], hand[..., last:]
+    step = times[1:] - times[:-1]
+    going = (goal[..., 1:] - goal[..., :-1]) / step
+    drift = (hand[..., 1:] - hand[..., :-1]).imag / step
     speed = np.maximum(np.abs(going), 1e-9)
-    sine = np.clip(drift / speed, -OBLIQUE, OBLIQUE)
+    sine = (drift / speed).clip(-OBLIQUE, OBLIQUE)
     steady = going / speed * (np.sqrt(1 - sine**2) - 1j * sine)
     behind = np.maximum(-hand.real, 0.0)
-    kept = np.exp(-speed * step / np.maximum(behind[..., count:], 1e-9))
-    after = np.cumprod(kept, axis=-1)
-    heading = (steady * np.diff(after, axis=-1, prepend=1)).sum(axis=-1)
+    kept = np.ones(goal.shape)
+    kept[..., 1:] = np.exp(-speed * step / np.maximum(behind[..., 1:], 1e-9))
+    after = kept.cumprod(axis=-1)
+    heading = (steady * (after[..., 1:] - after[..., :-1])).sum(axis=-1)
     heading = after[..., -1] * steady[..., -1] - heading
     heading = heading / np.maximum(np.abs(heading), 1e-9)
-    speed, behind = speed[..., 0], behind[..., last]
+    speed, behind = speed[..., 0], behind[..., 0]
     weight = speed * behind / (speed**2 + (behind / end[-1]) ** 2) / 2
-    ahead = hand[..., last].real
+    ahead = hand[..., 0].real
     return Tail(ahead[..., None], heading[..., None], weight[..., None])
 
 
