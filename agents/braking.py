@@ -48,11 +48,11 @@ class Brakes:
             late: How long it goes on before it brakes [s].
         """
         self._slows = np.array([drive.max_linear_acceleration, drive.max_angular_acceleration])
+        self._times = np.linspace(0.0, 1.0, POSES + 1)[1:]
         self._outline, self._sonar, self._reach, self._late = outline, sonar, reach, late
-        one, none = np.ones_like(SHARES), np.zeros_like(SHARES)
-        pairs = [np.stack(pair, axis=-1) for pair in ((SHARES, one), (SHARES, SHARES),
-                                                      (none, SHARES))]  # fmt: skip
-        self._pairs = np.concatenate(pairs)
+        turning = [(0.0, share) for share in SHARES]
+        pairs = [(share, 1.0) for share in SHARES] + [(share, share) for share in SHARES] + turning
+        self._pairs = np.array(list(dict.fromkeys(pairs)))
 
     def limit(self, echoes: Echoes, base: Array, speeds: Array) -> Limit:
         """Return how much of the speeds (2,) [m/s], [rad/s] it may have.
@@ -79,8 +79,8 @@ class Brakes:
         # the times at which it is looked at, and its speeds' integrals until then
         slow = np.abs(tried) / self._slows
         lasts = self._late + slow.max(axis=-1, keepdims=True)
-        t = lasts * np.linspace(0.0, 1.0, POSES + 1)[1:]
-        braking = np.clip((t - self._late)[..., None], 0.0, slow[:, None, :])
+        t = lasts * self._times
+        braking = (t - self._late)[..., None].clip(0.0, slow[:, None, :])
         way = tried[:, None, :] * (np.minimum(t, self._late)[..., None] + braking)
         way -= np.sign(tried)[:, None, :] * self._slows * 0.5 * braking**2
         half = 0.5 * way[..., 1]

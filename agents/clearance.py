@@ -33,13 +33,16 @@ ultrasonic sensors see."""
 class Clearance:
     """What keeps one platform off things."""
 
-    def __init__(self, outline: Outline, reach: float, length: Array, top: Array, mix: Array):
+    def __init__(
+        self, outline: Outline, reach: float, length: Array, end: Array, top: Array, mix: Array
+    ) -> None:
         """Know what a plan is.
 
         Args:
             outline: Of the platform.
             reach: L [m].
             length: (M,) of the intervals [s].
+            end: (M,) of these [s].
             top: (2,) speeds [m/s], [rad/s].
             mix: (M, M), mean speeds in the intervals by those planned.
         """
@@ -52,6 +55,8 @@ class Clearance:
         whole = np.tri(len(length))
         self._until = np.concatenate([whole - 0.5 * np.eye(len(length)), whole])
         self._mix = mix
+        self._end, self._lasts = end, np.diff(end, prepend=0.0)
+        self._rates = np.array([top[1], top[0], top[1], top[0]])[:, None]
 
     def cost(self, short: Array) -> Array:
         """Return what poses with gaps too small (..., C, 2 M) cost together (..., C) [m2 s]."""
@@ -64,9 +69,9 @@ class Clearance:
         Only what is within a circle around the platform can be too near: most things are not.
         """
         poses, turns = moved[..., :2, :].ravel(), np.conj(moved[..., 2:4, :]).ravel()
-        squares = np.stack([-2 * near.real, -2 * near.imag, np.ones(near.shape), _square(near)])
-        rows = [poses.real, poses.imag, _square(poses), np.ones(poses.shape)]
-        pose, thing = np.nonzero(np.stack(rows, axis=-1) @ squares < self._within2)
+        squares = np.array([-2 * near.real, -2 * near.imag, np.ones(near.shape), _square(near)])
+        rows = np.array([poses.real, poses.imag, _square(poses), np.ones(poses.shape)])
+        pose, thing = divmod(np.flatnonzero(rows.T @ squares < self._within2), len(near))
         short = np.zeros((len(poses), len(near)))
         gap = self._outline.gap((near[thing] - poses[pose]) * turns[pose])
         short[pose, thing] = np.maximum(self._margin - gap, 0.0)
@@ -96,7 +101,7 @@ class Clearance:
         slope = -(np.conj(normal * heading)[..., None] * ways).real
         return slope * root[..., None], short * root
 
-    def detours(self, near: Places, goal: Places, hand: Places, end: Array, top: Array) -> Array:
+    def detours(self, near: Places, goal: Places, hand: Places) -> Array:
         """Return plans (S, M, 2) that drive past things on either side, and then to the goal.
 
         To pass a thing at o, the platform turns, drives along the tangent to a circle around it as
@@ -108,10 +113,8 @@ class Clearance:
             near: (K,) things [m].
             goal: (N,) where it is at the ends of intervals, of which the plan has the first M [m].
             hand: (N,) where the arm holds the hand [m].
-            end: (M,) of the intervals [s].
-            top: (2,) speeds [m/s], [rad/s].
         """
-        last = len(end) - 1
+        last = len(self._end) - 1
         places = self._passes(near, goal[last], abs(hand[last]))
         bearing, distance = np.angle(places), np.abs(places)
         row = np.full(places.shape, last)
@@ -120,15 +123,12 @@ class Clearance:
             straight = np.sqrt(np.maximum(np.abs(way) ** 2 - held.imag**2, 0.0)) - held.real
             straight = np.maximum(straight, 0.0)
             turn = np.angle(way * np.conj(straight + held) * np.exp(-1j * bearing))
-            lasts = np.stack([np.abs(bearing), distance, np.abs(turn), straight])
-            lasts /= np.array([top[1], top[0], top[1], top[0]])[:, None]
-            ends = np.cumsum(lasts, axis=0)
-            row = np.minimum(np.searchsorted(end, ends[-1]), last)
-        length = np.diff(end, prepend=0.0)
-        begins = np.maximum(end - length, (ends - lasts)[..., None])
-        share = np.maximum(np.minimum(end, ends[..., None]) - begins, 0.0) / length
-        sides = np.sign(bearing)[:, None], np.sign(turn)[:, None]
-        turning = sides[0] * share[0] + sides[1] * share[2]
+            lasts = np.array([np.abs(bearing), distance, np.abs(turn), straight]) / self._rates
+            ends = lasts.cumsum(axis=0)
+            row = np.minimum(self._end.searchsorted(ends[-1]), last)
+        begins = np.maximum(self._end - self._lasts, (ends - lasts)[..., None])
+        share = np.maximum(np.minimum(self._end, ends[..., None]) - begins, 0.0) / self._lasts
+        turning = np.sign(bearing)[:, None] * share[0] + np.sign(turn)[:, None] * share[2]
         return np.stack([share[1] + share[3], turning], axis=-1)
 
     def _passes(self, near: Places, goal: complex, held: float) -> Places:
@@ -143,16 +143,18 @@ class Clearance:
         far, beyond = np.abs(near), np.abs(goal - near)
         here, there = (np.arcsin(self._round / np.maximum(x, self._round)) for x in (far, beyond))
         bend = side * np.angle(near * np.conj(goal - near)) + here + there
-        bend = np.clip((bend + np.pi) % (2 * np.pi) - np.pi, 0.0, SHARP)
+        bend = ((bend + np.pi) % (2 * np.pi) - np.pi).clip(0.0, SHARP)
         tangent = np.sqrt(np.maximum(far**2 - self._round**2, 0.0))
         way_there = tangent + self._round * np.tan(0.5 * bend)
         places: Places = (way_there * np.exp(1j * (np.angle(near) + side * here))).ravel()
         way = goal - places
         rest = way * np.maximum(1 - held / np.maximum(np.abs(way), held), 0.0)
         length = np.abs(places) + np.abs(way)
-        for begin, leg in ((np.zeros_like(places), places), (places, rest)):
-            length += BLOCKED * self._reach * (_apart(near, begin, leg) < self._half)
-        return places[np.argsort(length)[:WAYS]]
+        begin = np.concatenate([np.zeros_like(places), places])
+        apart = _apart(near, begin, np.concatenate([places, rest]))
+        for leg in apart.reshape(2, -1):
+            length += BLOCKED * self._reach * (leg < self._half)
+        return places[length.argsort()[:WAYS]]
 
 
 def _square(places: Places) -> Array:
@@ -164,6 +166,6 @@ def _apart(things: Places, begin: Places, leg: Places) -> Array:
     """Return the least distance (S,) of things (K,) from straight legs."""
     size = np.maximum(np.abs(leg), 1e-9)
     off = (things - begin[:, None]) * np.conj(leg / size)[:, None]
-    beyond = off.real - np.clip(off.real, 0.0, size[:, None])
+    beyond = off.real - off.real.clip(0.0, size[:, None])
     apart: Array = np.hypot(beyond, off.imag).min(axis=-1)
     return apart

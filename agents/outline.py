@@ -60,6 +60,6 @@ class Outline:
         return shortest
 
     def _beyond(self, points: Places) -> Array:
-        flat = points.ravel()
-        beyond: Array = self._rows @ np.stack([flat.real, flat.imag]) - self.offsets[:, None]
+        parts = points.ravel().view(np.float64).reshape(-1, 2)
+        beyond: Array = self._rows @ parts.T - self.offsets[:, None]
         return beyond

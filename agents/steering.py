@@ -123,9 +123,9 @@ class Planner:
             outline: Of a platform that sees things; None if it sees none.
         """
         self.top, self.reach, self.unit = top, reach, reach / float(top[0])
-        self.length = FIRST * self.unit * GROWTH ** np.arange(INTERVALS)  # [s] of the intervals
-        self.times = np.cumsum(FIRST * self.unit * GROWTH ** np.arange(INTERVALS + BEYOND))
-        self.end = self.times[:INTERVALS]
+        length = np.asarray(FIRST * self.unit * GROWTH ** np.arange(INTERVALS + BEYOND))
+        self.times = np.cumsum(length)
+        self.length, self.end = length[:INTERVALS], self.times[:INTERVALS]  # [s] of the intervals
         self._begin, self._lasts = self.end - self.length, np.append(self.end[:-1], np.inf)
         self._change = acceleration / top * self.end[:, None]  # the most by then
         self._small = SMALL * reach
@@ -134,7 +134,7 @@ class Planner:
         self._mix = np.diag(1 - late) + np.diag(late[1:], k=-1)
         self._clearance = None
         if outline is not None:
-            self._clearance = Clearance(outline, reach, np.asarray(self.length), top, self._mix)
+            self._clearance = Clearance(outline, reach, self.length, self.end, top, self._mix)
         between = np.concatenate([self.length[:1], 0.5 * (self.length[1:] + self.length[:-1])])
         size = MOVES * reach * self.unit / np.sqrt(between)
         self._first = float(size[0])
@@ -143,7 +143,7 @@ class Planner:
         self._linear = np.concatenate([self._mix, self._changes])
         self._stiff = np.kron(np.eye(2), self._changes.T @ self._changes)
         self._stiff += np.diag(self._turning.T.ravel())
-        self._until, self._row = np.tri(INTERVALS), np.arange(2 * INTERVALS)
+        self._until = np.tri(INTERVALS)
         self._spin = self._most_turn @ self._mix
         self._spins = (self._until * self._most_turn) @ self._mix
         self._shares = np.array(STEPS)[:, None]
@@ -159,8 +159,7 @@ class Planner:
         least, most = self._bounds(course)
         others = [self._seeds(course)]
         if self._clearance is not None and course.near is not None:
-            near, goal, hand = course.near, course.goal, course.hand
-            others.append(self._clearance.detours(near, goal, hand, self.end, self.top))
+            others.append(self._clearance.detours(course.near, course.goal, course.hand))
         held = np.empty((*course.goal.shape[:-1], 1, INTERVALS, 2))
         held[...] = course.now[..., None, None, :]
         first = held if before is None else before[..., None, :, :]
@@ -201,7 +200,8 @@ class Planner:
         place = way.cumsum(axis=-1)
         hand = place + heading * course.hand[..., None, :INTERVALS]
         missing = course.goal[..., None, :INTERVALS] - hand
-        return np.stack([place - 0.5 * way, place, middle, heading, missing], axis=-2)
+        moved = np.concatenate([place - 0.5 * way, place, middle, heading, missing], axis=-1)
+        return moved.reshape(*place.shape[:-1], -1, INTERVALS)
 
     def _rho(self, missing: Array) -> Array:
         size: Array = self._small**2 / POWER * ((1 + (missing / self._small) ** 2) ** POWER - 1)
@@ -245,7 +245,7 @@ class Planner:
 
     def _turns(self, way: Places) -> Array:
         """Return the turns (2, ..., S) [rad] to ways, and from there to the headings at the end."""
-        turns: Array = np.angle(np.stack([way, self._final * np.conj(way)]))
+        turns: Array = np.angle(np.array([way, self._final * np.conj(way)]))
         return turns
 
     def _improved(
@@ -292,7 +292,8 @@ class Planner:
         at, low, high = _flat(plan), _flat(least), _flat(most)
         free = ~(((at <= low) & (down < 0)) | ((at >= high) & (down > 0)))
         bend = (slope.mT @ slope + self._stiff) * (free[..., None] & free[..., None, :])
-        bend[..., self._row, self._row] += np.where(free, 1e-9, 1.0)
+        diagonal = bend.reshape(*free.shape[:-1], -1)[..., :: free.shape[-1] + 1]
+        diagonal += np.where(free, 1e-9, 1.0)
         yield
         step = np.linalg.solve(bend, np.where(free, down, 0.0)[..., None])[..., 0]
         tried = at[..., None, :] + self._shares * step[..., None, :]
