@@ -51,4 +51,6 @@ def namespace_of(vectors: Array) -> Namespace:
 
 def components(vectors: Array) -> tuple[Number, ...]:
     """Return the n components (...) of vectors (..., n): floats of a lone one."""
-    return tuple(vectors.tolist() if vectors.ndim == 1 else np.moveaxis(vectors, -1, 0))
+    if vectors.ndim == 1:
+        return tuple(vectors.tolist())
+    return tuple([vectors[..., i] for i in range(vectors.shape[-1])])

@@ -130,8 +130,8 @@ class Kinematics:
     def _forward_of_many(self, q: Array, base: Array) -> ArmPose:
         """Return the same for any batch, with each number of all arms in one array."""
         batch = np.broadcast_shapes(q.shape[:-1], base.shape[:-1])
-        place = base.tolist() if base.ndim == 1 else np.moveaxis(base, -1, 0)
-        return ArmPose(batch, *self._of_many(*place, *np.moveaxis(q, -1, 0)))
+        place = base.tolist() if base.ndim == 1 else [base[..., i] for i in range(3)]
+        return ArmPose(batch, *self._of_many(*place, *[q[..., i] for i in range(self.robot.n)]))
 
     @cached_property
     def _of_many(self) -> Forward:

@@ -125,6 +125,8 @@ def _sweeps(
     now = [[np.broadcast_to(row, (len(locks), 3)) for row in goals(at)] for at in times]
     path = _Path(times, *(np.stack(column) for column in zip(*now, strict=True)))
     plans = _postures(robot, locks, path)
+    some = plans.ok[-1].any(axis=0)  # others do not lead to the end
+    plans = _Plans(*(part[:, :, some] for part in plans))
     for backwards in (False, True):
         heading, speed, turn = _follow(plans, path, backwards)
         whole = _drivable(robot, speed, turn) & plans.ok[::2, ..., None]
