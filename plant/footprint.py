@@ -12,6 +12,7 @@ _HEIGHT = 0.3
 """Of a platform of which only the track of its wheels is known, or not even that [m]."""
 _WIDTH = 0.5  # [m], likewise: about that of a robot that passes a door
 _AXES = np.eye(3)
+_ACROSS = np.cross(_AXES[:, None], _AXES)  # what takes a vector to its cross products with these
 _PARALLEL = 1e-6  # sine of the angle between edges below which a face has the axis across them
 _UPRIGHT = 1.0 - 1e-9  # cosine from which on an axis counts as vertical
 
@@ -120,7 +121,7 @@ def _between_boxes(offsets: Array, edges: Array, rotation: Array, half: Array) -
     They are those of the faces and those across two edges; along one of them boxes that do not
     overlap are apart (Gottschalk, Lin and Manocha 1996, "OBBTree").
     """
-    across = np.cross(_AXES[:, None], rotation.T).reshape(9, 3)
+    across = (rotation.T @ _ACROSS).reshape(9, 3)
     axes = np.concatenate([_AXES, rotation.T, across])
     lengths = np.sqrt(np.einsum("ij,ij->i", axes, axes))
     axes, lengths = axes[lengths > _PARALLEL], lengths[lengths > _PARALLEL]
