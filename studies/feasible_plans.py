@@ -126,7 +126,8 @@ def _sweeps(
     path = _Path(times, *(np.stack(column) for column in zip(*now, strict=True)))
     plans = _postures(robot, locks, path)
     some = plans.ok[-1].any(axis=0)  # others do not lead to the end
-    plans = _Plans(*(part[:, :, some] for part in plans))
+    q, ahead, aside, ok = plans
+    plans = _Plans(q[:, :, some], ahead[:, :, some], aside[:, :, some], ok[:, :, some])
     for backwards in (False, True):
         heading, speed, turn = _follow(plans, path, backwards)
         whole = _drivable(robot, speed, turn) & plans.ok[::2, ..., None]

@@ -1,14 +1,46 @@
+from functools import cache
 from pathlib import Path
 
 import numpy as np
 
-from studies.fault_cells import MID, Map, oracle, outcome, pair_locks, simulate, single_locks
+from studies.fault_cells import (
+    MID,
+    Cells,
+    Map,
+    oracle,
+    outcome,
+    pair_locks,
+    simulate,
+    single_locks,
+)
 from studies.fault_map import map_rows, misses
+from studies.lockstep import Trace
 from studies.mobile import DURATION, HAND, PERIOD, msma, plant
 from studies.paper_faults import cases, run_cases
 from studies.platform_path import PlatformPath, drive
 from studies.report import Report, as_json
 from studies.study import Findings, Progress
+
+
+@cache
+def one_lock() -> tuple[Cells, Trace]:
+    """Return some cells with a lock in mid-path, and their runs."""
+    cells = single_locks(MID).part(slice(16, 60, 8))
+    return cells, simulate(cells)
+
+
+@cache
+def one_lock_map() -> Map:
+    """Return the map of these cells."""
+    cells, trace = one_lock()
+    return Map(cells, outcome(cells, trace, oracle(cells)))
+
+
+@cache
+def two_locks() -> tuple[Cells, Trace]:
+    """Return some cells with two locks, and their runs."""
+    cells = pair_locks().part(slice(400, 404))
+    return cells, simulate(cells)
 
 
 def test_the_arm_starts_with_its_hand_where_table_1_says() -> None:
@@ -40,14 +72,13 @@ def test_the_studies_tables_and_pictures_come_with_their_bars(tmp_path: Path) ->
 
 
 def test_a_cell_runs_alike_alone_and_in_a_batch() -> None:
-    cells = single_locks(MID)
-    together, alone = simulate(cells.part(slice(16, 60, 8))), simulate(cells.part(slice(24, 25)))
+    cells, together = one_lock()
+    alone = simulate(cells.part(slice(1, 2)))
     np.testing.assert_allclose(together.hand[:, 1], alone.hand[:, 0], atol=1e-6)
 
 
 def test_the_map_shows_what_is_reachable_and_what_msma_reaches() -> None:
-    cells = single_locks(MID).part(slice(16, 60, 8))
-    found = outcome(cells, simulate(cells), oracle(cells))
+    cells, found = one_lock_map()
     assert cells.labels[1] == "joint/1:locked=60deg at 8 s"
     assert found.reachable.tolist() == [True, True, True, False, True, True]
     assert found.success[:2].all()
@@ -62,8 +93,7 @@ def test_no_pair_with_shoulder_and_elbow_locked_is_reachable() -> None:
 
 
 def test_the_tables_of_the_maps_can_be_written(tmp_path: Path) -> None:
-    cells = single_locks(MID).part(slice(16, 60, 8))
-    rows = map_rows(Map(cells, outcome(cells, simulate(cells), oracle(cells))), 1.0)
+    rows = map_rows(one_lock_map(), 1.0)
     found = Findings(tuple(rows), (), ())
     assert as_json(Report("fault-map", "", found, (), 1.0, 1.0))
 
@@ -77,9 +107,9 @@ def test_a_map_without_a_reachable_cell_misses_its_bar() -> None:
 
 
 def test_each_miss_of_the_map_is_listed_with_its_reason() -> None:
-    cells = pair_locks().part(slice(400, 404))
+    cells, trace = two_locks()
     none = np.zeros(4, dtype=bool)
-    o = outcome(cells, simulate(cells), (np.zeros(4), ~none))
+    o = outcome(cells, trace, (np.zeros(4), ~none))
     o = o._replace(
         final=np.array([0.001, 0.010, 0.020, 0.030]),
         coming=np.array([False, True, False, False]),
@@ -94,9 +124,9 @@ def test_each_miss_of_the_map_is_listed_with_its_reason() -> None:
 
 
 def test_how_steeply_the_last_joint_lifts_the_hand_is_that_of_its_circle() -> None:
-    cells = pair_locks().part(slice(400, 402))
-    assert np.isnan(cells.locks).sum() == 2
-    slides = outcome(cells, simulate(cells), (np.zeros(2), np.ones(2, dtype=bool))).slides
+    cells, trace = two_locks()
+    assert np.isnan(cells.locks).sum() == 4
+    slides = outcome(cells, trace, (np.zeros(4), np.ones(4, dtype=bool))).slides
     assert (np.isfinite(slides) & (slides > 0)).all()
     free = single_locks(MID).part(slice(0, 2))  # shoulder and elbow are both left
     assert np.isnan(
