@@ -73,29 +73,29 @@ def meet(solid: Solid, origins: Array, directions: Array) -> tuple[Array, Array]
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         match solid.kind:
             case "box":
-                parts = [_between(o[..., i], d[..., i], 0.5 * solid.size[i]) for i in range(3)]
-                normals = [np.abs(d[..., i]) for i in range(3)]
+                half = 0.5 * np.reshape(solid.size, (3, *(1,) * (o.ndim - 1)))
+                along = np.moveaxis(d, -1, 0)
+                enters, leaves = _between(np.moveaxis(o, -1, 0), along, half)
+                normals = np.abs(along)
             case "cylinder":
                 radius, length = solid.size
                 side = _round(o[..., :2], d[..., :2], radius)
-                parts = [side, _between(o[..., 2], d[..., 2], 0.5 * length)]
-                normals = [_slope(o, d, side[0], radius, 2), np.abs(d[..., 2])]
+                ends = _between(o[..., 2], d[..., 2], 0.5 * length)
+                enters, leaves = map(np.array, zip(side, ends, strict=True))
+                normals = np.array([_slope(o, d, side[0], radius, 2), np.abs(d[..., 2])])
             case "sphere":
-                parts = [_round(o, d, solid.size[0])]
-                normals = [_slope(o, d, parts[0][0], solid.size[0], 3)]
+                enters, leaves = (each[None] for each in _round(o, d, solid.size[0]))
+                normals = _slope(o, d, enters[0], solid.size[0], 3)[None]
             case _:
                 raise ValueError(f"rays are cast at boxes, cylinders and spheres, not {solid.kind}")
-        enters = np.stack([part[0] for part in parts])
-        leaves = np.stack([part[1] for part in parts]).min(axis=0)
-        surface = enters.argmax(axis=0)[None]
-        flat = np.take_along_axis(np.stack(normals), surface, axis=0)[0]
-    entry = enters.max(axis=0)
-    met = (entry <= leaves) & (leaves >= 0.0)
+    flat = np.choose(enters.argmax(axis=0), normals)
+    entry, leave = enters.max(axis=0), leaves.min(axis=0)
+    met = (entry <= leave) & (leave >= 0.0)
     distance = np.where(met, np.maximum(entry, 0.0), np.inf)
     return distance, np.where(met, np.where(entry > 0.0, flat, 1.0), 0.0)
 
 
-def _between(o: Array, d: Array, half: float) -> Interval:
+def _between(o: Array, d: Array, half: float | Array) -> Interval:
     """Return where rays are between two planes `half` [m] either side of 0, along their normal."""
     one, other = (-half - o) / d, (half - o) / d
     inside = np.abs(o) <= half
