@@ -41,7 +41,7 @@ TOUCHED = 20.0
 """Bar on all contact forces but the fingers' [N]."""
 DELIVERED = 0.95
 """Bar on the share that is delivered with a fault."""
-_FILM = (("kill", "goal", 9.0), ("kill", "gripper", 18.0), ("kill", "joint/4", 21.0))
+_FILM = (("kill", "goal", 9.0), ("kill", "gripper", 31.0), ("kill", "joint/4", 34.0))
 
 
 @dataclass(frozen=True)

@@ -29,15 +29,19 @@ class Course:
     """Where everything is, in the world.
 
     Attributes:
+        start: (3,) x, y [m] and heading [rad] of the platform.
+        round: (2,) x, y where the hand is led round the box [m].
         cup: (2,) x, y [m].
         table: (2,) x, y of its middle [m].
         jug: (2,) x, y [m].
         bowl: (2,) x, y [m].
-        box: (2,) x, y of a box on the floor, beside the way [m].
+        box: (2,) x, y of a box on the floor, in the straight way to the cup [m].
         mouth: (3,) of the person [m].
         away: (2,) unit vector in which the person is away from the mouth.
     """
 
+    start: Array
+    round: Array
     cup: Array
     table: Array
     jug: Array
@@ -48,7 +52,11 @@ class Course:
 
     def overrides(self) -> tuple[Override, ...]:
         """Return what it changes in deploy/fetch.yaml."""
-        values = {"world": self._world(), "goal.steps": self._steps()}
+        values = {
+            "start.platform": self.start.tolist(),
+            "world": self._world(),
+            "goal.steps": self._steps(),
+        }
         return tuple(Override("the course", key, json.dumps(v)) for key, v in values.items())
 
     def _world(self) -> list[dict[str, object]]:
@@ -72,13 +80,14 @@ class Course:
         ahead_x, ahead_y = self.cup / np.linalg.norm(self.cup)
         left = np.array([-ahead_y, ahead_x])
         aside = self.cup + ASIDE * np.sign(left @ self.away) * left
-        places = [[*before.tolist(), height], [*cup, height], [*cup, height], [*cup, TOP + 0.25]]
-        places += [[*aside.tolist(), TOP + 0.3], self.mouth.tolist()]
-        return [
-            {"position": place, "rpy": [0.0, 0.0, 0.0], "free": "roll", "grip": 0.0, "holds": True}
-            if index > 1
-            else {"position": place, "rpy": [0.0, 0.0, 0.0], "free": "roll", "grip": 0.1}
-            for index, place in enumerate(places)
+        empty = [[*self.round.tolist(), height], [*before.tolist(), height], [*cup, height]]
+        holds = [[*cup, height], [*cup, TOP + 0.25], [*aside.tolist(), TOP + 0.3]]
+        level = {"rpy": [0.0, 0.0, 0.0], "free": "roll"}
+        steps = [{"position": place, **level, "grip": 0.1} for place in empty]
+        steps[0]["tolerance"] = 0.05
+        return steps + [
+            {"position": place, **level, "grip": 0.0, "holds": True}
+            for place in [*holds, self.mouth.tolist()]
         ]
 
 
@@ -91,11 +100,12 @@ def _towards(angle: float) -> Array:
 
 
 def course(seed: int, number: int) -> Course:
-    """Draw a course: the robot starts at the origin, and the cup is about in front of it.
+    """Draw a course: a box is in the straight way to the cup, and the hand is led round it.
 
-    The person is to its left or right, so that it has to turn, and the middle of the table on the
-    other side of the cup. The box is beside the way. For nobody looks where the platform goes: it
-    drives forward only, and past a table in its way its column would not come.
+    From there the cup is about in front of the robot. The person is to its left or right, so that
+    it has to turn, and the box and the middle of the table on the other side. Nobody looks where
+    the platform goes: it drives forward only, and past a table in its way its column would not
+    come.
     """
     rng = np.random.default_rng([seed, number, 0xF7])
     bearing, side = rng.uniform(-0.3, 0.3), rng.choice([-1.0, 1.0])
@@ -105,13 +115,17 @@ def course(seed: int, number: int) -> Course:
     others = behind + np.pi + rng.choice([-1.0, 1.0]) * np.radians(rng.uniform(100.0, 150.0, 2))
     away = _towards(bearing + side * np.radians(rng.uniform(90.0, 130.0)))
     mouth = np.append(cup + rng.uniform(1.2, 1.7) * away, rng.uniform(1.0, 1.2))
-    aside = -side * rng.uniform(0.7, 0.9) * _towards(bearing + 0.5 * np.pi)
+    ahead, across = _towards(bearing), side * _towards(bearing + 0.5 * np.pi)
+    start = -rng.uniform(0.65, 0.75) * ahead - rng.uniform(0.6, 0.65) * across
+    led = 0.3 * ahead + 0.45 * across
     return Course(
+        start=np.append(start, atan2(*(led - start)[::-1])),
+        round=led,
         cup=cup,
         table=table,
         jug=table + 0.22 * _towards(others[0]),
         bowl=table + 0.22 * _towards(2.0 * (behind + np.pi) - others[1]),
-        box=rng.uniform(0.4, 0.7) * cup + aside,
+        box=rng.uniform(0.1, 0.2) * ahead - rng.uniform(0.68, 0.72) * across,
         mouth=mouth,
         away=away,
     )

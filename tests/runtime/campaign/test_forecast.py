@@ -107,8 +107,8 @@ def test_the_same_seed_draws_the_same_faults_and_all_leave_the_goal_in_reach() -
 @pytest.mark.parametrize("copies", [1, 2])
 def test_a_task_whose_source_dies_is_done_by_a_standby_alone(copies: int) -> None:
     overrides = [Override("a test", "goal.copies", f"{copies}")]
-    fetched = replace(load(DEPLOY / "fetch.yaml", overrides), duration=45.0)
+    fetched = replace(load(DEPLOY / "fetch.yaml", overrides), duration=60.0)
     assert fetched.goal is not None
     chaos = fault("goal", "kill", 5.0, 0.0)
-    killed = forecast(replace(fetched, chaos=chaos), fetched.goal.build(), 45.0)
+    killed = forecast(replace(fetched, chaos=chaos), fetched.goal.build(), 60.0)
     assert killed.in_reach(fetched.tolerance) is (copies == 2)

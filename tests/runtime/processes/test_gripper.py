@@ -145,16 +145,16 @@ def test_a_cup_is_fetched_though_goal_source_and_gripper_agent_are_killed(robot:
         "--set",
         "goal.copies=1",
         "--kill",
-        "goal@14",
+        "goal@27",
         "--revive",
-        "goal@16",
+        "goal@29",
         "--kill",
-        "gripper@20",
+        "gripper@34",
         "--duration",
         "600s",
     )
     robot.launch("--speed", "4", *more, file="fetch.yaml")
-    robot.until(25.0)
+    robot.until(40.0)
     mouth = (0.90, -1.72, 1.10)
 
     def is_there() -> bool:
