@@ -70,6 +70,8 @@ class Scene:
         Args:
             base_at: Gives x, y [m] and heading [rad] after a share of the step, 0 to 1.
         """
+        if all(gap >= 0.0 for gap in self._gaps(base_at(1.0)).values()):
+            return 1.0
         reach = {i: min(gap, 0.0) for i, gap in self._gaps(base_at(0.0)).items()}
 
         def is_free(share: float) -> bool:
