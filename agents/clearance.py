@@ -63,12 +63,20 @@ class Clearance:
         cost: Array = short**2 @ self._weight
         return cost
 
-    def short(self, near: Places, moved: Places) -> tuple[Array, Places]:
+    def short(
+        self, near: Places, places: tuple[Places, Places], headings: tuple[Places, Places]
+    ) -> tuple[Array, Places]:
         """Return by how much (..., C, 2 M) the least gap is too small [m], and to what [m].
 
         Only what is within a circle around the platform can be too near: most things are not.
+
+        Args:
+            near: (K,) things [m].
+            places: (..., C, M) in the middle of each interval, and at its end [m].
+            headings: As e^ia.
         """
-        poses, turns = moved[..., :2, :].ravel(), np.conj(moved[..., 2:4, :]).ravel()
+        place = np.concatenate(places, axis=-1)
+        poses, turns = place.ravel(), np.conj(np.concatenate(headings, axis=-1)).ravel()
         squares = np.array([-2 * near.real, -2 * near.imag, np.ones(near.shape), _square(near)])
         rows = np.array([poses.real, poses.imag, _square(poses), np.ones(poses.shape)])
         pose, thing = divmod(np.flatnonzero(rows.T @ squares < self._within2), len(near))
@@ -77,22 +85,28 @@ class Clearance:
         short[pose, thing] = np.maximum(self._margin - gap, 0.0)
         worst = short.argmax(axis=-1)
         most = short[np.arange(len(poses)), worst]
-        shape = *moved.shape[:-2], 2 * moved.shape[-1]
-        return most.reshape(shape), near[worst].reshape(shape)
+        return most.reshape(place.shape), near[worst].reshape(place.shape)
 
-    def rows(self, moved: Places, short: Array, nearest: Places) -> tuple[Array, Array]:
+    def rows(
+        self,
+        places: tuple[Places, Places],
+        headings: tuple[Places, Places],
+        short: Array,
+        nearest: Places,
+    ) -> tuple[Array, Array]:
         """Return slopes (..., C, 2 M, 2 M) and residuals (..., C, 2 M) of a Gauss-Newton step.
 
         The thing that is nearest, at o, comes nearer as the point of the platform that is there
         moves: by T_k e^ia_k for v_k, by i T_k (o - p_k) for w_k.
 
         Args:
-            moved: As of `Tried`.
-            short: (..., C, 2 M) as of `short` [m].
+            places: As of `short`.
+            headings: Likewise.
+            short: (..., C, 2 M) what that returns [m].
             nearest: Likewise.
         """
-        pivot, middle = moved[..., 0, :], moved[..., 2, :]
-        place, heading = (moved[..., i : i + 2, :].reshape(short.shape) for i in (0, 2))
+        pivot, middle = places[0], headings[0]
+        place, heading = np.concatenate(places, axis=-1), np.concatenate(headings, axis=-1)
         normal = self._outline.normal((nearest - place) * np.conj(heading))
         root = np.sqrt(self._weight) * (short > 0)
         ahead = self._until * (middle * self._most[0])[..., None, :]

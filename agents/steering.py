@@ -86,9 +86,9 @@ class Tried(NamedTuple):
     Attributes:
         plan: (..., C, M, 2) shares of the tops.
         change: (..., C, M, 2) of these from one interval to the next, as it counts.
-        moved: (..., C, 5, M) places in mid-interval and at its end [m], headings e^ia then, and
-            what is missing at its end [m].
-        far: (..., C, M) how far that is [m].
+        pivot, place: (..., C, M) in mid-interval and at its end [m].
+        middle, heading: (..., C, M) then, as e^ia.
+        missing, far: (..., C, M) at its end, and how far that is [m].
         time: (..., C) from the plan's end to the goal, at least [s].
         cost: (..., C) [m2 s].
         short, nearest: (..., C, 2 M) as of `Clearance.short`; None where nothing is near.
@@ -96,7 +96,11 @@ class Tried(NamedTuple):
 
     plan: Array
     change: Array
-    moved: Places
+    pivot: Places
+    place: Places
+    middle: Places
+    heading: Places
+    missing: Places
     far: Array
     time: Array
     cost: Array
@@ -168,8 +172,9 @@ class Planner:
         tried = self._tried(course, tail, plans.clip(least, most))
         index = np.full((*course.goal.shape[:-1], 2), plans.shape[-3] - 1)
         index[..., 1] = tried.cost[..., :-1].argmin(axis=-1)
+        tried = tried.chosen(index)
         yield
-        tried = yield from self._improved(course, tail, tried.chosen(index), least, most)
+        tried = yield from self._improved(course, tail, tried, least, most)
         costs = tried.cost.reshape(*index.shape, len(STEPS))
         best, cost = costs.argmin(axis=-1), costs.min(axis=-1)
         takes = cost[..., 1] < BETTER * cost[..., 0]
@@ -189,8 +194,8 @@ class Planner:
         floor = able * FORWARD
         return (now - self._change).clip(floor, able), (now + self._change).clip(floor, able)
 
-    def _moved(self, course: Course, speed: Array) -> Places:
-        """Return what comes of mean speeds (..., C, M, 2): see `Tried.moved`."""
+    def _moved(self, course: Course, speed: Array) -> tuple[Places, Places, Places, Places, Places]:
+        """Return what comes of mean speeds (..., C, M, 2): `Tried.pivot` to `Tried.missing`."""
         turn = speed[..., 1] * self._most_turn
         angle = turn.cumsum(axis=-1)
         half = 0.5 * turn
@@ -200,8 +205,7 @@ class Planner:
         place = way.cumsum(axis=-1)
         hand = place + heading * course.hand[..., None, :INTERVALS]
         missing = course.goal[..., None, :INTERVALS] - hand
-        moved = np.concatenate([place - 0.5 * way, place, middle, heading, missing], axis=-1)
-        return moved.reshape(*place.shape[:-1], -1, INTERVALS)
+        return place - 0.5 * way, place, middle, heading, missing
 
     def _rho(self, missing: Array) -> Array:
         size: Array = self._small**2 / POWER * ((1 + (missing / self._small) ** 2) ** POWER - 1)
@@ -213,8 +217,7 @@ class Planner:
         linear[..., 0, :] += now
         linear[..., INTERVALS, :] -= self._first * now
         speed, change = linear[..., :INTERVALS, :], linear[..., INTERVALS:, :]
-        moved = self._moved(course, speed)
-        headings, missing = moved[..., 3, :], moved[..., 4, :]
+        pivot, place, middle, headings, missing = moved = self._moved(course, speed)
         far, heading = np.abs(missing), headings[..., -1]
         rho, last = self._rho(_with_turn(course, headings, far)), far[..., -1]
         time, turns = self._to_go(course, heading, missing[..., -1])
@@ -226,9 +229,10 @@ class Planner:
         cost: Array = rho @ self.length + rest + tail.weight * beside + moves
         short, nearest = None, None
         if self._clearance is not None and course.near is not None:
-            short, nearest = self._clearance.short(course.near, moved)
+            places, turned = (pivot, place), (middle, headings)
+            short, nearest = self._clearance.short(course.near, places, turned)
             cost += self._clearance.cost(short)
-        return Tried(plan, change, moved, far, time, cost, short, nearest)
+        return Tried(plan, change, *moved, far, time, cost, short, nearest)
 
     def _to_go(self, course: Course, heading: Places, missing: Places) -> tuple[Array, Array]:
         """Return the least time (..., C) [s] to turn, drive and turn to the goal, and the turns.
@@ -256,8 +260,7 @@ class Planner:
         The hand turns about where the platform is in mid-interval, so that
         dh_j / dv_k = T_k e^ia_k and dh_j / dw_k = i T_k (h_j - p_k) for k up to j.
         """
-        plan, moved = both.plan, both.moved
-        pivot, middle, headings, missing = (moved[..., i, :] for i in (0, 2, 3, 4))
+        plan, _, pivot, place, middle, headings, missing, *_ = both
         heading = headings[..., -1]
         hand = course.goal[..., None, :INTERVALS] - missing
         ahead = (self._until * (middle * self._most_ahead)[..., None, :]) @ self._mix
@@ -284,7 +287,8 @@ class Planner:
         error = np.concatenate([x.real for x in errors] + [x.imag for x in errors], axis=-1)
         slope, error = slope * root[..., None], error * root
         if self._clearance is not None and both.short is not None and both.nearest is not None:
-            rows, shorts = self._clearance.rows(moved, both.short, both.nearest)
+            places, turns = (pivot, place), (middle, headings)
+            rows, shorts = self._clearance.rows(places, turns, both.short, both.nearest)
             slope = np.concatenate([slope, rows], axis=-2)
             error = np.concatenate([error, shorts], axis=-1)
         down = (slope.mT @ error[..., None])[..., 0]
