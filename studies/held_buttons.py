@@ -5,24 +5,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from agents.agent import Agent, Array, Body, Goal, Percepts
+from agents.agent import Array
 from agents.attitude import turn_between
-from agents.joint import JointAgent
-from agents.platform import PlatformAgent
-from nodes.hmi.jogging import Hand, Motion, joint_index, level_axes
-from nodes.hmi.leading import LedGoal
-from nodes.hmi.protocol.values import Times
+from nodes.hmi.jogging import joint_index, level_axes
 from plant.faults import Fault
-from plant.kinematic import KinematicPlant
-from plant.kinematics import kinematics_of, quaternion
-from plant.plant import Setup
+from plant.kinematics import kinematics_of
 from plant.robot import numbers
-from runtime.gate.speed_limit import SpeedLimit
-from studies.lockstep import decide_all, true_motion
-from studies.mobile import ARPH, BEND, PERIOD
+from studies.driven_robot import DrivenRobot
+from studies.mobile import ARPH, PERIOD
 
-ASIDE = np.radians(90.0)
-"""Bearing of the hand when lined up, in deploy/arph-web.yaml [rad]."""
 SIDES = {
     "forward": (1.0, 0.0, 0.0),
     "left": (0.0, 1.0, 0.0),
@@ -103,20 +94,8 @@ def drawn(count: int, seed: int) -> list[Square]:
     return squares
 
 
-def web_team(seed: int) -> dict[str, Agent]:
-    """Return the agents of deploy/arph-web.yaml, but that of the gripper."""
-    agents: dict[str, Agent] = {}
-    for joint in range(ARPH.n):
-        body = Body(ARPH, joint, PERIOD, [seed, joint])
-        agents[f"joint/{joint + 1}"] = JointAgent(body, bend=BEND.get(joint, 0.0))
-    agents["platform"] = PlatformAgent(Body(ARPH, None, PERIOD, [seed, ARPH.n]), bearing=ASIDE)
-    return agents
-
-
 class Driven:
-    """A robot that a person drives in shared mode.
-
-    The page's goal goes by the last but one state, and the gate by its speed limit.
+    """A robot with which a person draws a square in shared mode, while parts of it fail.
 
     Args:
         square: What is drawn.
@@ -126,45 +105,30 @@ class Driven:
 
     def __init__(self, square: Square, faults: Sequence[str], seed: int) -> None:
         base = np.array([0.0, 0.0, square.heading])
-        self._plant = KinematicPlant(Setup(ARPH, square.q, base, period=PERIOD, seed=[seed, 1000]))
-        self._agents, self._limit = web_team(seed), SpeedLimit(ARPH, PERIOD)
+        self._robot = DrivenRobot(square.q, base, "shared", square.speed, seed)
         self._square, self._faults, self._held = square, list(faults), 0.0
         broken = [joint_index(fault.partition(":")[0], ARPH.n) for fault in faults]
         self._broken = [joint for joint in broken if joint is not None]
-        self._times = Times()
-
-    def _hand(self) -> Hand:
-        truth = true_motion(self._plant)
-        turned = np.reshape(np.array(truth.rotation), (3, 3))
-        return Hand(np.array(truth.position), quaternion(turned))
 
     def side(self, button: str) -> Side:
         """Hold a button until the hand has gone the side, or stands; then let it come to rest."""
-        square, start = self._square, self._hand()
+        square, robot, start = self._square, self._robot, self._robot.hand
         direction = np.array(SIDES[button]) @ level_axes(square.camera)
-        motion = Motion(square.speed * direction, np.zeros(3))
-        led = LedGoal(start, 0.0, self._times.lease)
         looks = round(STANDS / PERIOD)
-        hands, along, page = [start], [0.0], 0.0
+        hands, along = [start], [0.0]
+        robot.hold("hand", (*SIDES[button], 0.0, 0.0, 0.0), square.camera)
         while along[-1] < square.side and len(hands) * PERIOD < HOLDS:
             if len(along) > looks and along[-1] - along[-1 - looks] < BARELY:
                 break
-            t, now = self._plant.read().t, (len(hands) - 1) * PERIOD
-            while page <= now + 1e-9:
-                piece = led.advance(motion, hands[max(len(hands) - 2, 0)], page)
-                since = t + page - now
-                page += self._times.jog
             self._break()
-            pose, (linear, angular) = piece.pose, piece.motion
-            until = since + piece.lasts
-            self._step(Goal(pose.position, linear, since, until, pose.orientation, angular), 1.0)
-            hands.append(self._hand())
+            robot.go_on(PERIOD)
+            hands.append(robot.hand)
             along.append(float((hands[-1].position - start.position) @ direction))
         took = (len(hands) - 1) * PERIOD
+        robot.let_go()
         for _ in range(round(RESTS / PERIOD)):
-            here, t = hands[-1], self._plant.read().t
-            self._step(Goal(here.position, np.zeros(3), t, t, here.orientation), 0.0)
-            hands.append(self._hand())
+            robot.go_on(PERIOD)
+            hands.append(robot.hand)
         way = np.array([hand.position for hand in hands]) - start.position
         beside = np.linalg.norm(way - np.outer(way @ direction, direction), axis=1)
         tilts = [turn_between(start.orientation, hand.orientation) for hand in hands]
@@ -176,7 +140,7 @@ class Driven:
 
     def _reaches(self, height: float) -> bool:
         """Tell whether the joints that still move can have the hand at a height [m]."""
-        low, high = heights(numbers(self._plant.read().q), self._broken)
+        low, high = heights(numbers(self._robot.plant.read().q), self._broken)
         return low <= height <= high
 
     def _break(self) -> None:
@@ -184,18 +148,8 @@ class Driven:
         if self._held > self._square.breaks:
             while self._faults:
                 fault = self._faults.pop()
-                if self._agents.pop(fault, None) is None:
-                    self._plant.inject(Fault.parse(fault, ARPH))
-
-    def _step(self, goal: Goal, share: float) -> None:
-        """Let agents decide, and the plant move; of their speeds the gate lets a share through."""
-        readings = self._plant.read()
-        percepts = Percepts.of(readings, goal)
-        wanted = decide_all(self._agents, percepts, (ARPH.n,))
-        wanted = wanted._replace(joints=numbers(wanted.joints), base=numbers(wanted.base))
-        q, limit = numbers(readings.q), self._square.speed
-        self._plant.write(self._limit.limited(wanted, q, limit, share))
-        self._plant.step()
+                if self._robot.agents.pop(fault, None) is None:
+                    self._robot.plant.inject(Fault.parse(fault, ARPH))
 
 
 def heights(q: Sequence[float], broken: Sequence[int]) -> tuple[float, float]:

@@ -29,6 +29,7 @@ STUDIES = {
     "shared-mode": "studies.shared_mode:SharedMode",
     "mobile-live": "studies.mobile_live:MobileLive",
     "buttons": "studies.buttons:Buttons",
+    "buttons-live": "studies.buttons_live:ButtonsLive",
 }
 """`module:Class` by name, in the order of the paper."""
 

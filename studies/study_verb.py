@@ -34,7 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="of studies with drawn cases: the seed of these; 0 to 9 are for tuning (100)",
     )
     parser.add_argument(
-        "--cases", type=int, help="of held-out and shared-mode: cases of each kind (16)"
+        "--cases", type=int, help="cases of each kind of held-out and shared-mode (16), buttons (4)"
     )
 
 

@@ -19,10 +19,12 @@ def comparison(runs: Sequence["Run"], file: Path) -> Path:
     names = list(dict.fromkeys(run.buttons for run in runs))
     for index, (name, colour) in enumerate(zip(names, COLOURS, strict=False)):
         some = [run for run in runs if run.buttons == name]
-        at = [ways.index(run.way) + (index - (len(names) - 1) / 2) * _WIDTH for run in some]
-        presses.bar(at, [run.presses for run in some], _WIDTH, color=colour, label=name)
-        seconds.bar(at, [run.seconds for run in some], _WIDTH, color=colour, label=name)
-        for drive in some[0].drives.values():
+        at = [place + (index - (len(names) - 1) / 2) * _WIDTH for place in range(len(ways))]
+        of = [[run for run in some if run.way == way] for way in ways]
+        for axis, what in ((presses, "presses"), (seconds, "seconds")):
+            sums = [sum(getattr(run, what) for run in each) for each in of]
+            axis.bar(at, sums, _WIDTH, color=colour, label=name)
+        for drive in some[0].drives:
             above.plot(drive.path[:, 0], drive.path[:, 1], color=colour)
             above.plot(*drive.path[-1, :2], "o", color=colour)
     for axis, text in ((presses, "presses"), (seconds, "time [s]")):

@@ -9,6 +9,7 @@ from agents.agent import Array
 from plant.kinematics import ArmPose, kinematics_of
 from plant.robot import Robot
 from plant.scalar import arc
+from runtime.wire.operator_messages import Mode
 
 FAR = 3.0
 """Longest press that is thought of [m or rad]: about half a turn."""
@@ -35,6 +36,13 @@ class Course(NamedTuple):
     states: Array
 
 
+class Meaning(NamedTuple):
+    """What a button moves, and how fast: see `nodes.hmi.protocol.incoming.Jog`."""
+
+    part: str
+    speeds: tuple[float, ...]
+
+
 class ButtonSet(ABC):
     """The buttons of a mode. A state (k) is where all is that they move.
 
@@ -42,7 +50,11 @@ class ButtonSet(ABC):
         mode: The mode of the page in which it has them.
     """
 
-    mode: ClassVar[str]
+    mode: ClassVar[Mode]
+
+    @abstractmethod
+    def meaning(self, move: str) -> Meaning:
+        """Return what the button of a move does, at its full speed."""
 
     @abstractmethod
     def state(self, seen: Seen) -> Array:
@@ -71,12 +83,16 @@ class OneSet(ButtonSet):
     Forward is along the world's x, as for a person who sits beside the robot.
     """
 
-    mode = "shared"
+    mode: ClassVar[Mode] = "shared"
     _MOVES: ClassVar = {
         name: sign * np.eye(3)[axis]
         for axis, names in enumerate((("forward", "back"), ("left", "right"), ("up", "down")))
         for name, sign in zip(names, (1.0, -1.0), strict=True)
     }
+
+    def meaning(self, move: str) -> Meaning:
+        x, y, z = self._MOVES[move].tolist()
+        return Meaning("hand", (x, y, z, 0.0, 0.0, 0.0))
 
     def state(self, seen: Seen) -> Array:
         return seen.hand
@@ -107,7 +123,7 @@ class TwoSets(ButtonSet):
     turns (a differential one), and its left and right turn it.
     """
 
-    mode = "manual"
+    mode: ClassVar[Mode] = "manual"
     _PLATFORM: ClassVar = {
         "forward": (1.0, 0.0),
         "back": (-1.0, 0.0),
@@ -120,6 +136,11 @@ class TwoSets(ButtonSet):
         self._n, self._kinematics = robot.n, kinematics_of(robot)
         self._lower = np.array([one.lower for one in robot.joints])
         self._upper = np.array([one.upper for one in robot.joints])
+
+    def meaning(self, move: str) -> Meaning:
+        if move in self._PLATFORM:
+            return Meaning("platform", self._PLATFORM[move])
+        return Meaning(move[:-1], (1.0 if move.endswith("+") else -1.0,))
 
     def state(self, seen: Seen) -> Array:
         return np.concatenate([seen.q, seen.base])

@@ -1,5 +1,6 @@
 """Which button a scripted person presses next, and for how long. Pure."""
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -26,10 +27,14 @@ class Person:
     """Somebody who sees what each button does, and presses the one that brings the hand closest.
 
     They hold it until the hand gets no closer.
+
+    Attributes:
+        least: How much the shortest press of a button did, of those that they have tried.
     """
 
     def __init__(self, buttons: ButtonSet) -> None:
         self._buttons = buttons
+        self.least: Mapping[str, float] = {}
 
     def next_press(self, state: Array, place: Array) -> Press | None:
         """Return what to press in a state (k) to bring the hand to a place (3); None at a loss."""
@@ -43,6 +48,7 @@ class Person:
             off = np.linalg.norm(self._buttons.hands(states) - place, axis=-1)
             if ahead:
                 off = np.minimum(off, self._buttons.after_one_more(states, place))
+            off = np.where((amounts > 0.0) & (amounts < self.least.get(move, 0.0)), np.inf, off)
             index = int(np.argmin(off + EFFORT * amounts))
             if off[index] + EFFORT * amounts[index] < least:
                 best, least = Press(move, float(amounts[index])), off[index]

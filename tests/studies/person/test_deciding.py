@@ -5,12 +5,17 @@ import pytest
 
 from agents.agent import Array
 from plant.urdf import load
-from studies.buttons import PLACES
 from studies.person.button_sets import ButtonSet, OneSet, TwoSets
 from studies.person.deciding import NEAR, Expert, Person
 
 ARPH = load("arph")
 START = np.array([*np.radians([0.0, 60.0, -115.0, 0.0, 0.0, 0.0]), 0.0, 0.0, 0.0])
+PLACES = {
+    "table": (1.1, 0.5, 0.75),
+    "mouth": (0.4, -0.6, 1.1),
+    "shelf": (1.6, 0.3, 0.35),
+}
+"""Where the hand is brought, one after the other [m]."""
 HAND = TwoSets(ARPH).hands(START[None])[0]
 
 
@@ -57,6 +62,16 @@ def test_what_is_in_reach_of_one_press_is_pressed_once() -> None:
     assert presses(one, HAND, HAND - [0.0, 0.3, 0.0])[0] == ["right"]
     turned = START + np.eye(len(START))[-1] * 0.4
     assert presses(two, START, two.hands(turned[None])[0])[0] == ["left"]
+
+
+def test_who_knows_that_a_button_does_more_at_least_presses_another_one() -> None:
+    person, place = Person(TwoSets(ARPH)), np.array(PLACES["table"])
+    first = person.next_press(START, place)
+    assert first is not None
+    person.least = {first.move: first.amount + 1.0}
+    second = person.next_press(START, place)
+    assert second is not None
+    assert second.move != first.move or second.amount >= first.amount + 1.0
 
 
 def test_somebody_who_is_there_has_nothing_to_press() -> None:

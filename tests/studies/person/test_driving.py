@@ -1,4 +1,4 @@
-"""A scripted person at the page of a real robot, in a real Chromium: places near by."""
+"""A scripted person brings a hand to places near by: in lockstep, and at a real robot's page."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -7,13 +7,14 @@ import numpy as np
 import pytest
 
 from plant.urdf import load
-from studies.buttons import bring, visited
+from studies.buttons import CASES, Buttons, Course, drawn
+from studies.buttons_live import bring_at, visited
 from studies.person.button_sets import TwoSets
 from studies.person.deciding import NEAR
-from studies.person.hands import Hands, Keyboard, Touch
 from tests.nodes.hmi.browser.chromium import need_chromium
 
-START = np.array([*np.radians([0.0, 60.0, -115.0, 0.0, 0.0, 0.0]), 0.0, 0.0, 0.0])
+Q = np.radians([0.0, 60.0, -115.0, 0.0, 0.0, 0.0])
+HAND = TwoSets(load("arph")).hands(np.array([[*Q, 0.0, 0.0, 0.0]]))[0]
 
 
 @pytest.fixture(scope="module")
@@ -25,16 +26,37 @@ def robot() -> Iterator[tuple[str, Any]]:
 
 
 @pytest.mark.parametrize(
-    ("case", "way", "ahead"), [("two sets", Keyboard, 0.06), ("one set", Touch, 0.0)]
+    ("case", "way", "ahead"), [("two sets", "keyboard", 0.06), ("one set", "touch", 0.0)]
 )
 def test_a_person_brings_the_hand_to_a_place(
-    robot: tuple[str, Any], case: str, way: type[Hands], ahead: float
+    robot: tuple[str, Any], case: str, way: str, ahead: float
 ) -> None:
     address, browser = robot
-    place = TwoSets(load("arph")).hands(START[None])[0] + ahead * np.eye(3)[0]
-    run = bring(browser, address, way, case, {"near": place})
-    found = run.drives["near"]
+    place = HAND + ahead * np.eye(3)[0]
+    run = bring_at(browser, address, way, case, Course(Q, place[None]))
+    (found,) = run.drives
     assert run.is_there, found.off
     assert np.linalg.norm(found.path[-1] - place) <= NEAR
     assert found.presses >= found.moves
-    assert (run.way, run.buttons) == (way.name, case)
+    assert (run.way, run.buttons) == (way, case)
+
+
+@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("way", Buttons.ways)
+def test_they_do_in_lockstep_and_always_the_same(case: str, way: str) -> None:
+    place = HAND + np.array([0.1, 0.0, -0.06])
+    runs = [Buttons().drive(way, case, Course(Q, place[None]), 3) for _ in range(2)]
+    (found,) = runs[0].drives
+    assert found.is_there
+    assert np.linalg.norm(found.path[-1] - place) == pytest.approx(found.off)
+    assert 1 <= found.moves <= found.presses
+    assert found.moves == found.presses or way != "touch"
+    assert (runs[1].presses, runs[1].seconds) == (runs[0].presses, runs[0].seconds)
+
+
+def test_starts_and_places_are_the_same_for_a_seed() -> None:
+    for one, again in zip(drawn(3, 5), drawn(3, 5), strict=True):
+        assert (one.q == again.q).all()
+        assert (one.places == again.places).all()
+        assert one.places.shape == (3, 3)
+    assert (drawn(1, 6)[0].q != drawn(1, 5)[0].q).any()
