@@ -109,7 +109,13 @@ export class Scene {
 
   /** Build the robot of a `hello` message. */
   build({ frames, shapes }) {
-    this.scene.remove(this.robot, this.world);
+    for (const old of [this.robot, this.world]) {
+      old?.traverse(({ geometry, material }) => {
+        geometry?.dispose();
+        material?.dispose();
+      });
+      old?.removeFromParent();
+    }
     this.robot = new three.Group();
     this.world = new three.Group();
     this.frames = [this.robot];
@@ -133,13 +139,14 @@ export class Scene {
       transparent: opacity < 1,
       opacity,
     });
+    const parent = frame < 0 ? this.world : this.frames[frame]; // as long as this robot is drawn
     const place = (geometry) => {
       const solid = new three.Mesh(geometry, material);
       const [at, turned] = pose(where);
       solid.position.copy(at);
       solid.quaternion.copy(turned);
       if (kind === "mesh") solid.scale.set(...size);
-      (frame < 0 ? this.world : this.frames[frame]).add(solid);
+      parent.add(solid);
       this.dirty = true;
     };
     if (kind !== "mesh") place(geometryOf(kind, size));
