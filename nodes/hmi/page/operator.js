@@ -77,6 +77,7 @@ function hinders(move) {
   if (!link.flows || hello === null) return ["move.offline", {}];
   if (!gate) return ["mode.none", {}];
   if (bar.old) return ["move.old", {}];
+  if (picture.painted === 0) return ["move.unseen", {}];
   if (gate.halted) return ["move.halted", {}];
   if (isTarget(move)) {
     if (!targetOf(move)) return ["goal.none", {}];

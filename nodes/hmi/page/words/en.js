@@ -82,6 +82,7 @@ export default {
   "move.gripper": "This robot has no gripper.",
   "move.offline": "No connection to the robot.",
   "move.old": "The picture is too old: no motion.",
+  "move.unseen": "The picture of the robot is not drawn yet: no motion.",
 
   "places.title": "Places",
   "places.text": "In mode Shared the hand goes there while you keep the button pressed; in mode Automatic it goes by itself.",

@@ -82,6 +82,7 @@ export default {
   "move.gripper": "Ce robot n’a pas de pince.",
   "move.offline": "Pas de connexion au robot.",
   "move.old": "L’image est trop ancienne : pas de mouvement.",
+  "move.unseen": "L’image du robot n’est pas encore dessinée : pas de mouvement.",
 
   "places.title": "Endroits",
   "places.text": "En mode Partagé, la main y va tant que vous gardez le bouton appuyé ; en mode Automatique, elle y va seule.",

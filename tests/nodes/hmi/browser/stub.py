@@ -263,3 +263,28 @@ def wait_until(true: Callable[[], Any], what: str, deadline: float = 60.0) -> No
     while not true():
         assert time.monotonic() < end, f"still not so: {what}"
         time.sleep(0.01)
+
+
+def hold_until_it_moves(stub: Stub, down: Callable[[], Any], up: Callable[[], Any]) -> int:
+    """Press until some jogs of one press have arrived; return the press's number.
+
+    On a busy machine the page may refuse a press (its picture is old) or end one by itself (what
+    it sends would arrive late), and rightly so. A person then lets go and presses again.
+    """
+
+    def moves() -> bool:
+        before, since = len(stub.heard), time.monotonic()
+        down()
+        while time.monotonic() - since < 2.0:
+            kinds = [message["type"] for message in stub.heard[before:]]
+            if "let_go" in kinds:
+                break
+            if kinds.count("jog") > 3:
+                return True
+            time.sleep(0.01)
+        up()
+        return False
+
+    wait_until(moves, "jogs arrive")
+    number: int = stub.of("jog")[-1]["press"]
+    return number

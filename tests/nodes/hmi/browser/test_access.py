@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 
 from tests.nodes.hmi.browser.chromium import tab
-from tests.nodes.hmi.browser.stub import Stub, wait_until
+from tests.nodes.hmi.browser.stub import Stub, hold_until_it_moves, wait_until
 
 BUTTONS = (
     *("STOP", "Release", "Forward", "Back", "Left", "Right", "Up", "Down", "Open", "Close"),
@@ -184,8 +184,9 @@ def test_two_switches_reach_a_button_and_stop_is_in_every_round(page: Any, stub:
     assert "stop" in inside
     while marked(page) != "up":
         page.keyboard.press("Space")
-    page.keyboard.down("Enter")
-    wait_until(lambda: len(stub.of("jog")) > 3, "it moves while the switch is held")
+    hold_until_it_moves(
+        stub, lambda: page.keyboard.down("Enter"), lambda: page.keyboard.up("Enter")
+    )
     page.keyboard.up("Enter")
     wait_until(lambda: stub.of("let_go"), "it stops")
     assert stub.of("jog")[-1]["speeds"][:3] == [0, 0, 0.5]

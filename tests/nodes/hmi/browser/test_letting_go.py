@@ -7,21 +7,30 @@ from typing import Any
 import pytest
 
 from studies.person.chromium import middle
-from tests.nodes.hmi.browser.chromium import tab, tab_of
+from tests.nodes.hmi.browser.chromium import profile, tab, tab_of
 from tests.nodes.hmi.browser.letting_go import HIDE, PAD, SHOW, touch
-from tests.nodes.hmi.browser.stub import Stub, wait_until
+from tests.nodes.hmi.browser.stub import Stub, hold_until_it_moves, wait_until
 
 QUIET = 0.4  # [s] in which a press that went on would have been sent eight times
 
+UNDRAWN = """() => {
+  const wanted = [];
+  const {requestAnimationFrame: frame} = window;
+  window.requestAnimationFrame = (turn) => wanted.push(turn);
+  window.draw = () => {
+    window.requestAnimationFrame = frame;
+    wanted.forEach((turn) => frame(turn));
+  };
+}"""
+"""Draws nothing until `draw()`."""
 
-def hold(page: Any, stub: Stub, name: str = "Up") -> Any:
-    """Press the mouse on a button and wait until the hand moves."""
-    button = page.get_by_role("button", name=name, exact=True)
+
+def hold(page: Any, stub: Stub) -> int:
+    """Press the mouse on Up until the hand moves; return the press's number."""
+    button = page.get_by_role("button", name="Up", exact=True)
     button.scroll_into_view_if_needed()
     button.hover()
-    page.mouse.down()
-    wait_until(lambda: len(stub.of("jog")) > 2, "jogs arrive")
-    return button
+    return hold_until_it_moves(stub, page.mouse.down, page.mouse.up)
 
 
 def is_over(stub: Stub) -> None:
@@ -84,10 +93,10 @@ LAST: dict[str, Callable[[Any], object]] = {
 
 @pytest.mark.parametrize("end", LAST)
 def test_a_held_button_is_over_when(page: Any, stub: Stub, end: str) -> None:
-    hold(page, stub)
+    number = hold(page, stub)
     LAST[end](page)
     is_over(stub)
-    assert {message["press"] for message in stub.of("jog")} == {1}
+    assert stub.of("jog")[-1]["press"] == number
 
 
 @pytest.mark.parametrize("end", ENDS)
@@ -104,14 +113,13 @@ def test_a_held_button_is_over_with(held: tuple[Any, Stub], end: str) -> None:
 
 
 def test_pressing_again_is_a_new_press(page: Any, stub: Stub) -> None:
-    hold(page, stub)
+    first = hold(page, stub)
     page.mouse.up()
-    wait_until(lambda: stub.of("let_go"), "it is let go")
-    page.mouse.down()
-    wait_until(lambda: stub.of("jog")[-1]["press"] == 2, "a second press")
+    wait_until(lambda: stub.of("let_go")[-1:], "it is let go")
+    second = hold(page, stub)
     page.mouse.up()
-    wait_until(lambda: len(stub.of("let_go")) == 2, "it is let go")
-    assert [message["press"] for message in stub.of("let_go")] == [1, 2]
+    wait_until(lambda: stub.of("let_go")[-1]["press"] == second, "it is let go")
+    assert second > first
 
 
 def test_a_button_moves_nothing_before_a_mode_is_chosen_and_says_so(page: Any, stub: Stub) -> None:
@@ -120,6 +128,20 @@ def test_a_button_moves_nothing_before_a_mode_is_chosen_and_says_so(page: Any, s
     page.get_by_role("button", name="Up", exact=True).click(force=True)
     page.get_by_role("status").get_by_text("choose Shared or Manual").wait_for()
     assert not stub.of("jog")
+
+
+def test_no_button_moves_before_the_robot_is_drawn(browser: Any, stub: Stub) -> None:
+    stub.mode = "shared"
+    with profile(browser) as context:
+        context.add_init_script(f"({UNDRAWN})()")
+        with tab_of(context, stub.address) as page:
+            page.get_by_role("button", name="Close help").click()
+            page.locator("#move-text").get_by_text("not drawn yet").wait_for()
+            page.locator("[data-move=up][aria-disabled=true]").press("Space", delay=100)
+            page.evaluate("draw()")
+            hold_key(page, stub, "Space")
+            assert stub.of("jog")[0]["press"] == 1, "the first press was none"
+            page.keyboard.up("Space")
 
 
 @pytest.fixture
@@ -152,43 +174,51 @@ def test_a_finger_holds_for_as_long_as_it_likes_and_no_longer(phone: Any, stub: 
     is_over(stub)
 
 
+def finger(phone: Any, stub: Stub) -> int:
+    """Put a finger on Up until the hand moves; return the press's number."""
+    where = middle(phone.locator("[data-move=up]"))
+    return hold_until_it_moves(
+        stub, lambda: touch(phone, "touchStart", where), lambda: touch(phone, "touchEnd")
+    )
+
+
 @pytest.mark.parametrize("where", ["left", "stop"])
 def test_a_second_finger_ends_the_press_of_the_first(phone: Any, stub: Stub, where: str) -> None:
     up = phone.locator("[data-move=up]")
     other = phone.locator("#stop" if where == "stop" else "[data-move=left]")
-    touch(phone, "touchStart", middle(up))
-    wait_until(lambda: len(stub.of("jog")) > 2, "jogs arrive")
+    number = finger(phone, stub)
     touch(phone, "touchStart", middle(up), middle(other))
     is_over(stub)
-    assert {message["press"] for message in stub.of("jog")} == {1}
+    assert stub.of("jog")[-1]["press"] == number
     assert bool(stub.of("halt")) == (where == "stop")
     touch(phone, "touchEnd")
     is_over(stub)
 
 
 def test_a_touch_that_the_system_takes_away_ends_the_press(phone: Any, stub: Stub) -> None:
-    touch(phone, "touchStart", middle(phone.locator("[data-move=up]")))
-    wait_until(lambda: len(stub.of("jog")) > 2, "jogs arrive")
+    finger(phone, stub)
     touch(phone, "touchCancel")
     is_over(stub)
 
 
+def hold_key(page: Any, stub: Stub, key: str) -> int:
+    """Hold a key on Left until the hand moves; return the press's number."""
+    page.locator("[data-move=left]").focus()
+    return hold_until_it_moves(stub, lambda: page.keyboard.down(key), lambda: page.keyboard.up(key))
+
+
 @pytest.mark.parametrize("key", ["Space", "Enter"])
 def test_a_key_holds_and_lets_go(page: Any, stub: Stub, key: str) -> None:
-    page.locator("[data-move=left]").focus()
-    page.keyboard.down(key)
-    wait_until(lambda: len(stub.of("jog")) > 3, "jogs arrive")
+    number = hold_key(page, stub, key)
     page.keyboard.down(key)  # the key repeats
     page.keyboard.up(key)
     is_over(stub)
-    assert {message["press"] for message in stub.of("jog")} == {1}
+    assert stub.of("jog")[-1]["press"] == number
     assert stub.of("jog")[-1]["speeds"][:3] == [0, 0.5, 0]
 
 
 def test_a_key_whose_button_loses_the_focus_is_let_go(page: Any, stub: Stub) -> None:
-    page.locator("[data-move=left]").focus()
-    page.keyboard.down("Space")
-    wait_until(lambda: len(stub.of("jog")) > 3, "jogs arrive")
+    hold_key(page, stub, "Space")
     page.evaluate("document.activeElement.blur()")
     is_over(stub)
 
