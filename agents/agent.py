@@ -168,7 +168,14 @@ class Agent(ABC):
 
     rest: float = 0.0
     """How soon after a decision the next one is of use [s]: to what it sees until then, its answer
-    is the same, and it need not be asked. What is `1 / REST` times as old is told no more."""
+    is the last one and its `change`, and it need not be asked. What is `1 / REST` times as old is
+    told no more."""
+
+    change: Array | None = None
+    """By how much its last answer changes with time until the next, per second; None: not at all.
+
+    Its shape is that of the answer. It holds for `rest / REST` [s]: a robot that gathers speed
+    does so evenly, however seldom its agent decides."""
 
     @abstractmethod
     def decide(self, percepts: Percepts) -> Array | None:

@@ -180,22 +180,32 @@ class PlatformAgent(Agent):
                 memory, self._next = done, None
         assert memory is not None
         self._memory = memory
-        since = percepts.t - memory.t + self._period
-        share = min(since / self._planner.length[0], 1.0)
-        soon = memory.plan[..., 0, :]
-        if self._avoiding is not None:
-            soon = soon * self._avoiding.shares
-        wanted = memory.now + share * (soon - memory.now)
-        if self._avoiding is not None:
-            wanted = np.where(self._avoiding.shares > 0, wanted, 0.0)  # brakes at once
-        told = (wanted / able).clip(FORWARD, 1.0)
+        since, first = percepts.t - memory.t + self._period, float(self._planner.length[0])
+        told = self._told(memory, able, since / first)
         self._own = own._replace(told=told)
         speeds: Array = told * self._top
+        if self._period < self.rest:  # else its process asks it again before that
+            then = self._told(memory, able, 1.0) * self._top
+            self.change = (then - speeds) / max(first - since, self._period)
         if not np.isfinite(speeds).all():  # a percept beyond all reason: begin as a new agent does
             self._memory = self._own = self._next = None
             if self._avoiding is not None:
                 self._avoiding.forget()
         return speeds
+
+    def _told(self, memory: Memory, able: Array, share: float) -> Array:
+        """Return what to ask of the drive (..., 2) after a share of the plan's first stretch.
+
+        As shares of the greatest speeds: never negative, and more of a drive that gives less.
+        """
+        soon = memory.plan[..., 0, :]
+        if self._avoiding is not None:
+            soon = soon * self._avoiding.shares
+        wanted = memory.now + min(share, 1.0) * (soon - memory.now)
+        if self._avoiding is not None:
+            wanted = np.where(self._avoiding.shares > 0, wanted, 0.0)  # brakes at once
+        told: Array = (wanted / able).clip(FORWARD, 1.0)
+        return told
 
     def _looked(self, t: float, base: Array) -> Own:
         """Return its own speed by two sights of itself, and what has come of commands."""

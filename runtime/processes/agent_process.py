@@ -5,6 +5,7 @@ import time
 import traceback
 from collections.abc import Callable, Iterator, Sequence
 from math import isfinite
+from typing import NamedTuple
 
 import numpy as np
 
@@ -47,10 +48,24 @@ def _motor(
     return topics.joint_command(joint + 1), JointCommand, ()
 
 
+class _Decision(NamedTuple):
+    """What an agent wants: from when on [s of the plant], and how that changes per second."""
+
+    t: float
+    speeds: tuple[float, ...]
+    change: tuple[float, ...] | None = None
+
+    def at(self, t: float) -> tuple[float, ...]:
+        if self.change is None:
+            return self.speeds
+        since = t - self.t
+        return tuple(a + b * since for a, b in zip(self.speeds, self.change, strict=True))
+
+
 class AgentNode(Node):
     """Sends an agent's command for each state of the plant.
 
-    The agent decides no more often than its `rest`; in between its last command is repeated, so
+    The agent decides no more often than its `rest`; in between its last command goes on, so
     that no standby takes over. Its errors are counted, logged once of each kind, and nothing sent.
     """
 
@@ -69,8 +84,8 @@ class AgentNode(Node):
         self._pause = _PAUSE * deployment.period / deployment.speed
         self._cadence = Cadence(agent.rest, apart(deployment.slot(process.role)))
         self._answers_first = agent.rest > deployment.period
-        self._wanted: tuple[float, ...] | None = None  # speeds
-        self._decided_at, self._good = 0.0, agent.rest / REST  # when, and for how long [s]
+        self._decision: _Decision | None = None
+        self._good = agent.rest / REST  # for how long it may be told [s]
         self._done, self._paused = 0.0, False
         self._in_trouble = False
         board = topics.JOINTS if "joints" in sees or "hand" not in sees else topics.HAND
@@ -120,15 +135,15 @@ class AgentNode(Node):
         decides meanwhile. It is valid for its horizon: an agent that is stuck falls silent.
         """
         t = self._senses.t
-        due = self._cadence.due(t) or self._wanted is None
+        due = self._cadence.due(t) or self._decision is None
         if due and not self._answers_first:
             self._decide()
-            t = t if self._wanted is None else self._decided_at
+            t = t if self._decision is None else self._decision.t
         self._process.t = t
         self._process.clock.seen(self._senses.t, now)
-        wanted = self._wanted
-        if wanted is not None and t - self._decided_at <= self._good:
-            self._out.send(self._command(t, *wanted))
+        decision = self._decision  # as a whole: another thread may make the next one meanwhile
+        if decision is not None and t - decision.t <= self._good:
+            self._out.send(self._command(t, *decision.at(t)))
         if due and self._answers_first:
             self._board.defer()
 
@@ -139,18 +154,15 @@ class AgentNode(Node):
             for arrival in self._lately():
                 self._senses.accept(arrival, now)
             percepts = self._senses.percepts(now)
-        if percepts is None:
-            self._wanted = None
-        else:
-            self._wanted, self._decided_at = self._decided(percepts), percepts.t
+        self._decision = None if percepts is None else self._decided(percepts)
 
     def _lately(self) -> Iterator[Sample]:
         """Yield what came of the topics that are of use to a decision only."""
         for ring in self._others:
             yield from ring.waiting(_AT_ONCE)
 
-    def _decided(self, percepts: Percepts) -> tuple[float, ...] | None:
-        """Return the speeds wanted; None if the agent wants nothing, or fails."""
+    def _decided(self, percepts: Percepts) -> _Decision | None:
+        """Return what the agent decides; None if it wants nothing, or fails."""
         idle = percepts.goal is None and "goal" in self._agent.sees
         self.state = "waits for a goal" if idle else "runs"
         try:
@@ -158,10 +170,10 @@ class AgentNode(Node):
             self._note_trouble(percepts.t)
             if decided is None:
                 return None
-            if type(decided) is float:
-                return self._sound((), (decided,))
-            wanted = np.asarray(decided, dtype=np.float64)
-            return self._sound(wanted.shape, tuple(wanted.ravel().tolist()))
+            if (speeds := self._sound(decided)) is None:
+                return None
+            change = self._agent.change
+            return _Decision(percepts.t, speeds, None if change is None else self._sound(change))
         except Exception as error:  # it may be a user's agent
             self._process.refusals.count("decide", type(error).__name__, traceback.format_exc())
             return None
@@ -177,13 +189,19 @@ class AgentNode(Node):
             self._in_trouble = bool(why)
             self._process.log.write(t, "trouble", why=why)
 
-    def _sound(self, shape: tuple[int, ...], speeds: tuple[float, ...]) -> tuple[float, ...] | None:
-        """Return the speeds if they are what this role's motor takes."""
+    def _sound(self, decided: object) -> tuple[float, ...] | None:
+        """Return a decision, or how it changes, if it is what this role's motor takes."""
         count = self._process.refusals.count
+        if type(decided) is float:
+            shape: tuple[int, ...] = ()
+            numbers: tuple[float, ...] = (decided,)
+        else:
+            wanted = np.asarray(decided, dtype=np.float64)
+            shape, numbers = wanted.shape, tuple(wanted.ravel().tolist())
         if shape != self._shape:
             count("decide", f"a command of shape {shape}", f"wanted {self._shape}")
             return None
-        if not all(map(isfinite, speeds)):
+        if not all(map(isfinite, numbers)):
             count("decide", "a command that is not finite")
             return None
-        return speeds
+        return numbers

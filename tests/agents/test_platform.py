@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from agents.agent import AgentError, Body, Goal, Joints, Percepts
+from agents.agent import REST, AgentError, Body, Goal, Joints, Percepts
 from agents.attitude import product, rotation_by
 from agents.lifting import lifted
 from agents.platform import PlatformAgent
@@ -24,6 +24,24 @@ def test_it_never_drives_backwards(body, percepts, behind):
     agent = PlatformAgent(body(None))
     for tick in range(50):
         assert agent.decide(percepts(behind, t=tick * 0.06))[0] >= 0
+
+
+@pytest.mark.parametrize("way", [(0.3, 0.0, 0.0), (0.2, 0.3, 0.0), (-0.2, 0.1, 0.0)])
+def test_between_two_decisions_its_speeds_change_as_those_of_one_that_is_asked_more_often(
+    arph, percepts, way
+):
+    asked = PlatformAgent(Body(arph, None, 0.001, 0))
+    first = asked.decide(percepts(way, t=0.0))
+    change = asked.change
+    assert np.abs(change).max() > 0
+    for late in (0.004, 0.012):
+        # Not quite: it stands still here, and takes its drive for a weak one.
+        answer = asked.decide(percepts(way, t=late))
+        np.testing.assert_allclose(answer, first + late * change, rtol=0.15)
+    good = asked.rest / REST
+    later = first + good * change
+    assert later[0] >= 0
+    assert (np.abs(later) <= [arph.drive.max_linear, arph.drive.max_angular]).all()
 
 
 @pytest.mark.parametrize("side", [1, -1])

@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from agents.agent import Array
@@ -86,10 +86,12 @@ vectors = st.lists(st.floats(-0.04, 0.04), min_size=3, max_size=3).map(np.array)
 
 
 @given(vectors, vectors)
+@example(np.array([0.0, 0.0, SLACK]), np.zeros(3))
 def test_the_share_is_the_largest_that_leaves_the_hand_near_enough(off: Array, way: Array) -> None:
     shares = np.linspace(0.0, 1.0, 4001)
     errors = np.linalg.norm(off + shares[:, None] * way, axis=1)
-    fits = shares[errors <= SLACK * np.minimum(1.0, EASES * (1.0 - shares))]
+    near = SLACK * np.minimum(1.0, EASES * (1.0 - shares))
+    fits = shares[errors <= near - 1e-9]  # on the edge rounding decides
     found = leading._share(off, way)
     assert WAITS <= found <= 1.0
     if found > WAITS:

@@ -125,6 +125,23 @@ def test_every_state_is_answered_and_no_more_decisions_made_than_are_of_use(
     )
 
 
+def test_in_between_the_last_decision_changes_as_the_agent_says(processes: ProcessGroup) -> None:
+    agent = Counts()
+    agent.change = np.array(0.5)
+
+    def in_between(said: list[JointCommand]) -> bool:
+        return len({one.t for one in said}) > 100
+
+    late = set[float]()
+    for command in answers_of(agent, processes, "2 ms", in_between):
+        since = [command.t - t for t in agent.times]
+        changed = [command.velocity - 1e-6 * (number + 1) for number in range(len(since))]
+        fits = [s for s, c in zip(since, changed, strict=True) if c == pytest.approx(0.5 * s)]
+        assert fits, command
+        late.add(round(fits[0], 6))
+    assert max(late) > 0.5 * REST
+
+
 def test_no_state_waits_for_a_thought(processes: ProcessGroup) -> None:
     agent = Counts(takes=0.02)
 

@@ -6,7 +6,7 @@ import signal
 import statistics
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import partial
 from typing import Any
 
@@ -76,14 +76,17 @@ def make_ready(page: Any) -> None:
 
 def press_until(page: Any, button: Any, shown: str) -> None:
     """Press a button until the page shows this: a busy robot may not answer a request in time."""
+    from playwright.sync_api import TimeoutError as CannotPress
 
     def is_shown() -> bool:
         until = time.monotonic() + AGAIN
         while not page.locator(shown).count():
             if time.monotonic() > until:
-                if page.locator("body[data-halted=true]").count():  # by a stop that came late
-                    page.get_by_role("button", name="Release").click()
-                button.click()
+                # Each may have been answered just now, and cannot be pressed any more then.
+                with suppress(CannotPress):
+                    if page.locator("body[data-halted=true]").count():  # by a stop that came late
+                        page.get_by_role("button", name="Release").click(timeout=1000 * AGAIN)
+                    button.click(timeout=1000 * AGAIN)
                 return False
             page.wait_for_timeout(20)
         return True
