@@ -2,7 +2,8 @@
 
 import math
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -21,6 +22,10 @@ RUNAWAY_INTERVAL = 0.5
 TURNED = math.radians(200.0)
 """Noise of a localiser's orientation about each axis, for that of its position [rad/m]: 0.2 deg for
 1 mm, as of one that sees a marker 0.3 m off the tip."""
+
+
+_RANDOM = ("noisy", "runaway")
+"""The kinds of faults that draw random numbers."""
 
 
 class Encoders(NamedTuple):
@@ -50,19 +55,27 @@ class Sighting(NamedTuple):
 class Effects:
     """The faults that a robot, or each of a batch of robots, has at present: one per target."""
 
-    def __init__(self, robot: Robot, period: float, rng: np.random.Generator) -> None:
+    def __init__(self, robot: Robot, period: float, seed: int | Sequence[int]) -> None:
         """Begin without faults.
 
         Args:
             robot: What may be at fault.
             period: Of the steps [s].
-            rng: What random faults draw from.
+            seed: Of random faults.
         """
-        self._robot, self._period, self._rng = robot, period, rng
-        (self._rng_of_turns,) = rng.spawn(1)
+        self._robot, self._period, self._seed = robot, period, seed
         self._faults: dict[str, Fault] = {}
         self._memory: dict[str, Array] = {}  # what a fault keeps, by its target
         self._seen: deque[Sighting] = deque()  # by a late localiser, the oldest first
+
+    @cached_property
+    def _rng(self) -> "np.random.Generator":
+        """What random faults draw from, made when it is needed: it takes 8 MB of modules."""
+        return np.random.default_rng(self._seed)
+
+    @cached_property
+    def _rng_of_turns(self) -> "np.random.Generator":
+        return self._rng.spawn(1)[0]
 
     @property
     def faults(self) -> tuple[Fault, ...]:
@@ -74,9 +87,18 @@ class Effects:
         """Whether the fingers have no force."""
         return "gripper" in self._faults
 
+    def check(self, fault: Fault) -> None:
+        """Raise `FaultError` for a fault that the robot has no part for.
+
+        In time before a random one begins, this imports what it draws from: longer than a period.
+        """
+        fault.check(self._robot)
+        if fault.kind in _RANDOM:
+            _ = self._rng
+
     def inject(self, fault: Fault, state: State, sighting: Callable[[], Sighting]) -> None:
         """Let a fault begin, or end with kind `ok`; `sighting` returns the true pose of the tip."""
-        fault.check(self._robot)
+        self.check(fault)
         self._faults.pop(fault.target, None)
         self._memory.pop(fault.target, None)
         if fault.kind != "ok":

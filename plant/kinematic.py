@@ -42,16 +42,14 @@ class KinematicPlant(Plant):
         self._at_origin = not self._drives and not self._state.base.any()  # for ever
         self._arm: ArmPose | None = None
         self.scene = _scene(setup, self._state)
-        rng = np.random.default_rng(setup.seed)
-        self._effects = Effects(setup.robot, setup.period, rng)
+        self._effects = Effects(setup.robot, setup.period, setup.seed)
         single = self._state.is_single
         self._grasp, self._grips = None, False  # without a command nobody need know of it
         if setup.robot.gripper is not None and single:
             self._grasp = Grasp(setup.robot.gripper, setup.robot.tip)
         self._ranges = None
         if setup.robot.belt is not None and single:
-            (rng_of_ranges,) = rng.spawn(1)
-            self._ranges = RangeFinder(setup.robot.belt, rng_of_ranges)
+            self._ranges = RangeFinder(setup.robot.belt, setup.seed)
         for fault in faults:
             self.inject(fault)
 
@@ -62,7 +60,7 @@ class KinematicPlant(Plant):
 
     def check_fault(self, fault: Fault) -> None:
         """Raise `FaultError` for a fault that the robot has no part for, and for forces."""
-        fault.check(self.robot)
+        self._effects.check(fault)
         if fault.is_force:
             raise FaultError(
                 f"{fault}: this plant knows no forces; "

@@ -95,12 +95,10 @@ class MujocoPlant(Plant):
         self._state = start
         self._wanted = State(0.0, *start.numbers)  # the speeds that the servos go for
         self._commands = Commands((0.0,) * setup.robot.n, (0.0,) * setup.robot.base_speeds)
-        rng = np.random.default_rng(setup.seed)
-        self._effects = Effects(setup.robot, setup.period, rng)
+        self._effects = Effects(setup.robot, setup.period, setup.seed)
         self._ranges = None
         if setup.robot.belt is not None:
-            (rng_of_ranges,) = rng.spawn(1)
-            self._ranges = RangeFinder(setup.robot.belt, rng_of_ranges)
+            self._ranges = RangeFinder(setup.robot.belt, setup.seed)
 
     @property
     def faults(self) -> tuple[Fault, ...]:
@@ -109,7 +107,7 @@ class MujocoPlant(Plant):
 
     def check_fault(self, fault: Fault) -> None:
         """Raise `FaultError` for a fault that the robot has no part for."""
-        fault.check(self.robot)
+        self._effects.check(fault)
 
     def inject(self, fault: Fault) -> None:
         """Let a fault begin now, or end with kind `ok`; raise `FaultError` like `check_fault`."""

@@ -10,14 +10,16 @@ from plant.robot import Array, Numbers
 from plant.solids import Solid, cast
 
 _GOLDEN = math.pi * (3.0 - math.sqrt(5.0))  # [rad] between two rays, so that they fill a cone
+_STREAM = 1  # of the random numbers of a seed; faults have the one before it
 
 
 class RangeFinder:
     """The belt of one simulated platform."""
 
-    def __init__(self, belt: Belt, rng: np.random.Generator) -> None:
-        """Mount it; `rng` is what noise and drop-outs draw from."""
-        self._belt, self._rng = belt, rng
+    def __init__(self, belt: Belt, seed: int | Sequence[int]) -> None:
+        """Mount it; noise and drop-outs are drawn by the seed, apart from those of faults."""
+        self._belt = belt
+        self._rng = np.random.default_rng(seed).spawn(_STREAM + 1)[_STREAM]
         self._due = 0.0  # [s]
         self._last = Ranges((belt.most,) * belt.sensors)
         layout = belt.layout

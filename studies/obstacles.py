@@ -31,7 +31,7 @@ LED = 0.2
 the motors' limits would bend their ways, which they do not know of."""
 EARLIER = 2.0
 """How long before a contact the platform could have stopped [s]: three times its braking time."""
-_SIGHT = RangeFinder(BELT, np.random.default_rng(0))
+_SIGHT = RangeFinder(BELT, 0)
 SETTLING = 2.0
 """After which errors on the line beside one thing count [s]."""
 LENGTH = 2.5  # [m]

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from plant.errors import MsmaError
 from runtime.config.deployment import Deployment, ProcessSpec
+from runtime.config.reading import kind_of
 from runtime.config.specs import GoalSpec, NodeSpec
 from runtime.processes.node import Node
 from runtime.processes.process import Process
@@ -14,7 +15,7 @@ from runtime.wire import topics
 _AGENTS = "an agent"
 _NEEDED = {
     _AGENTS: ("runtime.processes.agent_process", "agents.joint", "agents.platform"),
-    topics.PLANT: ("runtime.plant_node.plant_node",),
+    topics.PLANT: ("runtime.plant_node.plant_node", "plant.kinematic"),
     topics.GOAL_SOURCE: ("runtime.processes.goal_process",),
     topics.PAGE: (),  # it brings its own
 }
@@ -23,6 +24,7 @@ _NEEDED = {
 def preload(role: str | None = None) -> None:
     """Import what the process of a role needs, or of any role, for copies of this process."""
     import_module("psutil")
+    kind_of(Deployment)  # how its file is read
     for modules in _NEEDED.values() if role is None else [_NEEDED.get(role, _NEEDED[_AGENTS])]:
         for module in modules:
             import_module(module)

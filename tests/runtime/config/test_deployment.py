@@ -334,11 +334,20 @@ def test_a_process_loads_the_class_of_its_own_role_only() -> None:
         load("x.yaml", only_role="joint/5")
 
 
-def test_the_plants_process_imports_no_agent() -> None:
+def test_the_plants_process_imports_no_agent_nor_the_8_mb_of_random_numbers() -> None:
+    not_needed = {
+        "agents.joint",
+        "agents.platform",
+        "hashlib",
+        "jsonschema",
+        "numpy.random",
+        "rich",
+    }
     program = (
         "import sys; from runtime.config.deployment import load; "
-        f"load({str(ROOT / 'deploy/arph.yaml')!r}, only_role='plant'); "
-        "print({'agents.joint', 'agents.platform', 'jsonschema', 'rich'} & set(sys.modules))"
+        "import runtime.plant_node.plant_node; "
+        f"load({str(ROOT / 'deploy/arph.yaml')!r}, only_role='plant').build_plant(); "
+        f"print({not_needed} & set(sys.modules))"
     )
     result = subprocess.run(
         [sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=True
