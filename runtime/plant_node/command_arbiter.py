@@ -1,8 +1,9 @@
 """Which commands are in force: from what arrives on the network to speeds for the plant."""
 
-import math
 from collections.abc import Callable
-from typing import NamedTuple
+from math import copysign
+from operator import attrgetter
+from typing import Any, NamedTuple
 
 from plant.plant import Commands
 from plant.robot import Robot
@@ -16,14 +17,20 @@ EXPRESSIONS = (topics.JOINT_COMMANDS, topics.PLATFORM_COMMAND, topics.GRIPPER_CO
 """The key expressions on which commands come."""
 _ROUNDING = 1 + 1e-9
 
-Command = JointCommand | PlatformCommand | GripperCommand
-
 
 class _Motor(NamedTuple):
-    """What one agent commands, and its largest speeds, or opening and force."""
+    """What one agent commands.
+
+    Attributes:
+        role: Of the agent.
+        input: Where its commands arrive.
+        values: Takes the numbers from a command, as many as there are limits, or more.
+        limits: The largest speeds, or opening and force.
+    """
 
     role: str
-    input: TopicInput[JointCommand] | TopicInput[PlatformCommand] | TopicInput[GripperCommand]
+    input: TopicInput[Any]
+    values: Callable[[Any], tuple[float, ...]]
     limits: tuple[float, ...]
 
 
@@ -60,16 +67,18 @@ class CommandArbiter:
         for number, joint in enumerate(robot.joints, 1):
             key = topics.joint_command(number)
             commands = TopicInput(key, JointCommand, fresh, refusals, standbys=True)
-            self._motors[key] = _Motor(f"joint/{number}", commands, (joint.max_speed,))
+            most = (joint.max_speed,)
+            self._motors[key] = _Motor(f"joint/{number}", commands, _velocity, most)
         if robot.drive is not None:
             key = topics.PLATFORM_COMMAND
             both = TopicInput(key, PlatformCommand, fresh, refusals, standbys=True)
-            self._motors[key] = _Motor(topics.PLATFORM_AGENT, both, robot.drive.max_velocity)
+            limits = robot.drive.max_velocity
+            self._motors[key] = _Motor(topics.PLATFORM_AGENT, both, _velocities, limits)
         self._gripper: _Motor | None = None
         if robot.gripper is not None:
             key, limits = topics.GRIPPER_COMMAND, (robot.gripper.most, robot.gripper.max_effort)
             grips = TopicInput(key, GripperCommand, fresh, refusals, standbys=True)
-            self._gripper = _Motor(topics.GRIPPER_AGENT, grips, limits)
+            self._gripper = _Motor(topics.GRIPPER_AGENT, grips, _grip, limits)
         every = {**self._motors, topics.GRIPPER_COMMAND: self._gripper}
         self._by_key = {key: motor for key, motor in every.items() if motor is not None}
 
@@ -86,7 +95,7 @@ class CommandArbiter:
         command = motor.input.accept(arrival.data, t)
         if command is None:
             return None
-        for speed, limit in zip(_values(command), motor.limits, strict=False):
+        for speed, limit in zip(motor.values(command), motor.limits, strict=False):
             if abs(speed) > limit * _ROUNDING:
                 detail = f"{speed:g}, clamped to {limit:g}"
                 self._refusals.count(arrival.key, Reason.OVER_LIMIT, detail)
@@ -100,18 +109,17 @@ class CommandArbiter:
         """
         speeds: list[float] = []
         ages: list[float | None] = []
-        for motor in self._motors.values():
-            source = motor.input.selected(t)
-            age = math.inf if source is None else t - source.arrived
-            if source is not None:
-                self._note(motor.role, source.message.by)
-            if source is None or age > self._hold:
-                speeds.extend(0.0 for _ in motor.limits)
+        for role, commands, values, limits in self._motors.values():
+            source = commands.selected(t)
+            if source is not None and self._in_use.get(role) != source.message.by:
+                self._note(role, source.message.by)
+            if source is None or (age := t - source.arrived) > self._hold:
+                speeds += [0.0] * len(limits)
                 ages.append(None)
-            else:
-                for speed, limit in zip(_values(source.message), motor.limits, strict=False):
-                    speeds.append(min(max(speed, -limit), limit))
-                ages.append(age)
+                continue
+            for speed, limit in zip(values(source.message), limits, strict=False):
+                speeds.append(speed if -limit <= speed <= limit else copysign(limit, speed))
+            ages.append(age)
         joints, base = tuple(speeds[: self._n]), tuple(speeds[self._n :])
         grip = self._grip(t)
         return Commands(joints, base or (0.0, 0.0), grip), ages
@@ -121,22 +129,21 @@ class CommandArbiter:
         source = None if self._gripper is None else self._gripper.input.selected(t)
         if self._gripper is None or source is None or t - source.arrived > self._hold:
             return None
-        self._note(self._gripper.role, source.message.by)
-        pairs = zip(_values(source.message), self._gripper.limits, strict=True)
+        if self._in_use.get(self._gripper.role) != source.message.by:
+            self._note(self._gripper.role, source.message.by)
+        pairs = zip(_grip(source.message), self._gripper.limits, strict=True)
         opening, effort = (min(max(value, 0.0), limit) for value, limit in pairs)
         return opening, effort
 
     def _note(self, role: str, by: int) -> None:
-        """Take note of the incarnation whose commands of a role are in force."""
-        if self._in_use.get(role) != by:
-            self._in_use[role] = by
-            self._on_change(role, by)
+        """Take note of another incarnation whose commands of a role are in force."""
+        self._in_use[role] = by
+        self._on_change(role, by)
 
 
-def _values(command: Command) -> tuple[float, ...]:
-    """Return the numbers of a command; the last of a platform's is for a holonomic base only."""
-    if isinstance(command, JointCommand):
-        return (command.velocity,)
-    if isinstance(command, GripperCommand):
-        return command.opening, command.effort
-    return command.linear, command.angular, command.lateral
+def _velocity(command: JointCommand) -> tuple[float, ...]:
+    return (command.velocity,)
+
+
+_velocities = attrgetter("linear", "angular", "lateral")  # the last is for a holonomic base only
+_grip = attrgetter("opening", "effort")
