@@ -1,8 +1,7 @@
 """Which commands are in force: from what arrives on the network to speeds for the plant."""
 
 from collections.abc import Callable
-from math import copysign
-from operator import attrgetter
+from operator import attrgetter, le
 from typing import Any, NamedTuple
 
 from plant.plant import Commands
@@ -16,6 +15,7 @@ from runtime.wire.samples import Sample
 EXPRESSIONS = (topics.JOINT_COMMANDS, topics.PLATFORM_COMMAND, topics.GRIPPER_COMMAND)
 """The key expressions on which commands come."""
 _ROUNDING = 1 + 1e-9
+_VELOCITIES = ("linear", "angular", "lateral")  # of a platform; the last of a holonomic one only
 
 
 class _Motor(NamedTuple):
@@ -24,7 +24,7 @@ class _Motor(NamedTuple):
     Attributes:
         role: Of the agent.
         input: Where its commands arrive.
-        values: Takes the numbers from a command, as many as there are limits, or more.
+        values: Takes the numbers from a command, as many as there are limits.
         limits: The largest speeds, or opening and force.
     """
 
@@ -73,7 +73,9 @@ class CommandArbiter:
             key = topics.PLATFORM_COMMAND
             both = TopicInput(key, PlatformCommand, fresh, refusals, standbys=True)
             limits = robot.drive.max_velocity
-            self._motors[key] = _Motor(topics.PLATFORM_AGENT, both, _velocities, limits)
+            values = attrgetter(*_VELOCITIES[: len(limits)])
+            self._motors[key] = _Motor(topics.PLATFORM_AGENT, both, values, limits)
+        self._limits = [limit for motor in self._motors.values() for limit in motor.limits]
         self._gripper: _Motor | None = None
         if robot.gripper is not None:
             key, limits = topics.GRIPPER_COMMAND, (robot.gripper.most, robot.gripper.max_effort)
@@ -95,7 +97,7 @@ class CommandArbiter:
         command = motor.input.accept(arrival.data, t)
         if command is None:
             return None
-        for speed, limit in zip(motor.values(command), motor.limits, strict=False):
+        for speed, limit in zip(motor.values(command), motor.limits, strict=True):
             if abs(speed) > limit * _ROUNDING:
                 detail = f"{speed:g}, clamped to {limit:g}"
                 self._refusals.count(arrival.key, Reason.OVER_LIMIT, detail)
@@ -117,9 +119,11 @@ class CommandArbiter:
                 speeds += [0.0] * len(limits)
                 ages.append(None)
                 continue
-            for speed, limit in zip(values(source.message), limits, strict=False):
-                speeds.append(speed if -limit <= speed <= limit else copysign(limit, speed))
+            speeds += values(source.message)
             ages.append(age)
+        if not all(map(le, map(abs, speeds), self._limits)):
+            bounds = zip(speeds, self._limits, strict=True)
+            speeds = [min(max(speed, -limit), limit) for speed, limit in bounds]
         joints, base = tuple(speeds[: self._n]), tuple(speeds[self._n :])
         grip = self._grip(t)
         return Commands(joints, base or (0.0, 0.0), grip), ages
@@ -145,5 +149,4 @@ def _velocity(command: JointCommand) -> tuple[float, ...]:
     return (command.velocity,)
 
 
-_velocities = attrgetter("linear", "angular", "lateral")  # the last is for a holonomic base only
 _grip = attrgetter("opening", "effort")
