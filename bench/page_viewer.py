@@ -15,12 +15,14 @@ from websockets.sync.client import ClientConnection, connect
 from websockets.typing import Origin
 
 from nodes.hmi.address import Address, find_address
+from runtime.processes.scheduling import set_normal
 
 _AGAIN = 0.1  # [s] until a page that is not there yet is looked for again
 
 
 def main() -> None:
     """Look at the page of the run that the command line names."""
+    set_normal()  # as a browser has
     run = Path(sys.argv[1])
     while True:
         if (address := find_address(run)) is not None:

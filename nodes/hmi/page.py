@@ -34,6 +34,8 @@ _TAKEN = 3.0  # [s] for which a revived page waits for the port that its predece
 class Page(Node):
     """Serves the page by which a person drives the robot, and an engineer watches it."""
 
+    realtime = False  # a person waits longer than other programs delay it
+
     def __init__(
         self,
         *,

@@ -183,6 +183,13 @@ class Deployment:
         host = self.specs[role].host
         return host if isinstance(host, str) else host[0]
 
+    def scheduling_of(self, role: str) -> Scheduling:
+        """Return the priority of the process of a role; loads its class if it is a node."""
+        spec = self.specs[role]
+        if isinstance(spec, NodeSpec) and not spec.class_.load().realtime:
+            return "normal"
+        return self.scheduling
+
     @property
     def processes(self) -> tuple[ProcessSpec, ...]:
         """All processes: one of each role, and then the copies."""

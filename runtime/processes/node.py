@@ -54,10 +54,13 @@ class Node(ABC):
     Attributes:
         topics: What it publishes, as rows of the wire contract; the publisher is the node's role.
             With certificates it may publish nothing else.
+        realtime: Whether it has real-time priority where the robot's other processes have it; not
+            for a node that only serves people, and would take the processors from what moves.
         state: What it is doing, in a few words, for `msma status`.
     """
 
     topics: ClassVar[tuple[Topic, ...]] = ()
+    realtime: ClassVar[bool] = True
     state: str = "runs"
 
     @cached_property

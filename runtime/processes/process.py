@@ -64,7 +64,9 @@ class Process(Context):
             if deployment.credentials(self.role) and uses(Internal.LOG):
                 log = ConnectionLog(self.refusals, self._note_joined)
                 self._strangers = stack.enter_context(log)
-            wanted = deployment.scheduling
+            wanted = deployment.scheduling_of(self.role)
+            if wanted == "normal":
+                set_normal()  # whatever started it
             self._realtime = wanted != "normal" and set_realtime()  # also the threads of the bus
             if wanted == "realtime" and not self._realtime:
                 raise ConfigError(

@@ -68,6 +68,18 @@ def test_a_robots_processes_have_real_time_priority_where_it_is_granted(
     assert start["scheduling"] == "realtime"
 
 
+@granted
+def test_the_page_leaves_the_processors_to_the_robot(processes: ProcessGroup) -> None:
+    page = "nodes.+={role: hmi, class: nodes.hmi.page:Page}"
+    processes.options += ["--set", page, "--set", "start.mode=automatic"]
+    processes.start("plant", "hmi")
+    bus = processes.visit()
+    plant = processes.until(bus, "plant", lambda diag: True, "it answers")
+    assert policies(plant.pid)[0] == REALTIME
+    shown = processes.until(bus, "hmi", lambda diag: diag.state.startswith("page at"), "it serves")
+    assert set(policies(shown.pid)) == {os.SCHED_OTHER}
+
+
 def test_with_normal_scheduling_no_thread_has_real_time_priority(processes: ProcessGroup) -> None:
     processes.options += ["--scheduling", "normal"]
     processes.start("plant")
