@@ -174,8 +174,8 @@ class Agent(ABC):
     change: Array | None = None
     """By how much its last answer changes with time until the next, per second; None: not at all.
 
-    Its shape is that of the answer. It holds for `rest / REST` [s]: a robot that gathers speed
-    does so evenly, however seldom its agent decides."""
+    Its shape is that of the answer. It holds for twice `rest`, in which the next one must come: a
+    robot that gathers speed does so evenly, however seldom its agent decides."""
 
     @abstractmethod
     def decide(self, percepts: Percepts) -> Array | None:

@@ -185,8 +185,8 @@ class PlatformAgent(Agent):
         self._own = own._replace(told=told)
         speeds: Array = told * self._top
         if self._period < self.rest:  # else its process asks it again before that
-            then = self._told(memory, able, 1.0) * self._top
-            self.change = (then - speeds) / max(first - since, self._period)
+            then = self._told(memory, able, 1.0) * self._top  # it does not go beyond: not backwards
+            self.change = (then - speeds) / max(first - since, 2 * self.rest)
         if not np.isfinite(speeds).all():  # a percept beyond all reason: begin as a new agent does
             self._memory = self._own = self._next = None
             if self._avoiding is not None:

@@ -49,16 +49,17 @@ def _motor(
 
 
 class _Decision(NamedTuple):
-    """What an agent wants: from when on [s of the plant], and how that changes per second."""
+    """What an agent wants: from when on [s of the plant], and how that changes for how long."""
 
     t: float
     speeds: tuple[float, ...]
-    change: tuple[float, ...] | None = None
+    change: tuple[float, ...] | None  # per second
+    lasts: float  # [s]
 
     def at(self, t: float) -> tuple[float, ...]:
         if self.change is None:
             return self.speeds
-        since = t - self.t
+        since = min(t - self.t, self.lasts)
         return tuple(a + b * since for a, b in zip(self.speeds, self.change, strict=True))
 
 
@@ -172,8 +173,9 @@ class AgentNode(Node):
                 return None
             if (speeds := self._sound(decided)) is None:
                 return None
-            change = self._agent.change
-            return _Decision(percepts.t, speeds, None if change is None else self._sound(change))
+            rate = self._agent.change
+            change = None if rate is None else self._sound(rate)
+            return _Decision(percepts.t, speeds, change, 2 * self._agent.rest)
         except Exception as error:  # it may be a user's agent
             self._process.refusals.count("decide", type(error).__name__, traceback.format_exc())
             return None

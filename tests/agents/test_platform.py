@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from agents.agent import REST, AgentError, Body, Goal, Joints, Percepts
+from agents.agent import AgentError, Body, Goal, Joints, Percepts
 from agents.attitude import product, rotation_by
 from agents.lifting import lifted
 from agents.platform import PlatformAgent
@@ -38,10 +38,20 @@ def test_between_two_decisions_its_speeds_change_as_those_of_one_that_is_asked_m
         # Not quite: it stands still here, and takes its drive for a weak one.
         answer = asked.decide(percepts(way, t=late))
         np.testing.assert_allclose(answer, first + late * change, rtol=0.15)
-    good = asked.rest / REST
-    later = first + good * change
-    assert later[0] >= 0
-    assert (np.abs(later) <= [arph.drive.max_linear, arph.drive.max_angular]).all()
+
+
+def test_the_change_of_its_speeds_takes_it_neither_backwards_nor_beyond_its_limits(arph, percepts):
+    agent = PlatformAgent(Body(arph, None, 0.001, 0))
+    slowest = np.inf
+    for tick in range(400):
+        ahead = 0.3 if tick < 200 else -0.3
+        base = np.array([0.002 * tick, 0.0, 0.0])
+        speeds = agent.decide(percepts((ahead, 0.1, 0.0), t=0.01 * tick, base=base))
+        later = speeds + 2 * agent.rest * agent.change
+        assert later[0] >= -1e-12
+        assert (np.abs(later) <= [arph.drive.max_linear, arph.drive.max_angular]).all()
+        slowest = min(slowest, agent.change[0])
+    assert slowest < 0, "it did brake"
 
 
 @pytest.mark.parametrize("side", [1, -1])
