@@ -134,7 +134,7 @@ def test_in_between_the_last_decision_changes_as_the_agent_says(processes: Proce
 
     late = set[float]()
     for command in answers_of(agent, processes, "2 ms", in_between):
-        since = [command.t - t for t in agent.times]
+        since = [min(command.t - t, 2 * REST) for t in agent.times]  # it lasts no longer
         changed = [command.velocity - 1e-6 * (number + 1) for number in range(len(since))]
         fits = [s for s, c in zip(since, changed, strict=True) if c == pytest.approx(0.5 * s)]
         assert fits, command
