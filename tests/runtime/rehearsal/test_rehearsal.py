@@ -20,8 +20,8 @@ RECONNECTED = 2.0  # [s]; the bar is 1, and it is 0.4 on an idle machine; tests 
 BACK = 5.0  # [s] in which a whole host is commanded again, where it took 2.5 on a busy machine
 MOTORS, PLATFORM = range(7), 6  # as the plant logs them: the joints and then the platform
 TROUBLE = """[
-  {at: 0 s, delay: [robot, arm, base], time: 20 ms, jitter: 5 ms},
-  {at: 0 s, loss: [robot, arm, base], share: 2 %}]"""
+  {at: 2 s, delay: [robot, arm, base], time: 20 ms, jitter: 5 ms},
+  {at: 2 s, loss: [robot, arm, base], share: 2 %}]"""  # once all hosts have found each other
 
 
 @pytest.fixture(autouse=True)
