@@ -122,12 +122,14 @@ def _degrees(angle: float) -> str:
 
 
 def save(file: Path, write: Callable[[Path], object]) -> str:
-    """Let `write` write a file; return why it could not, or "". No partial file is left."""
+    """Let `write` write a file; return why it could not, or "". It is there whole or not at all."""
+    new = file.with_name(f".{file.name}")  # `write` may look at how the name ends
     try:
-        write(file)
+        write(new)
+        new.replace(file)
     except OSError as error:
         with suppress(OSError):
-            file.unlink(missing_ok=True)
+            new.unlink(missing_ok=True)
         return f"  {file} cannot be written: {error.strerror or error}"
     return ""
 
