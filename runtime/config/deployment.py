@@ -247,7 +247,7 @@ class Deployment:
         return self.agent(role).build(self.description.robot, self.period, seed)
 
     def check(self, node: YamlNode, scope: Scope) -> None:
-        """Refuse duplicate names, more processes than ports, and chaos for unknown targets."""
+        """Refuse duplicate names, too many processes, a plant or chaos that cannot be."""
         first: dict[str, YamlNode] = {}
         for kind in ("agent", "node"):
             for index, spec in enumerate(getattr(self, f"{kind}s")):
@@ -256,6 +256,7 @@ class Deployment:
         objects: dict[str, YamlNode] = {}
         for index, each in enumerate(self.world):
             _refuse_duplicate("object", each.name, node.find("world", index, "name"), objects)
+        self._check_plant(node)
         if len(self.roles) > FIRST_COPY:
             what = f"{len(self.roles)} processes with plant and goal; at most {FIRST_COPY}"
             raise node.find("nodes" if self.nodes else "agents").error(what)
@@ -279,16 +280,21 @@ class Deployment:
             roles = (*self.roles, LAUNCHER, WATCHER) if event.kill or event.hang else self.roles
             if event.role not in (None, *roles):
                 raise node.find("chaos", index, event.action).error(_nobody(event.role, roles))
-        self._check_faults(node)
         for index, role in enumerate(self.random_chaos.roles if self.random_chaos else ()):
             if role not in self.chaos_targets:
                 here = node.find("random_chaos", "roles", index)
                 raise here.error(_nobody(role, self.chaos_targets))
 
-    def _check_faults(self, node: YamlNode) -> None:
-        """Refuse a fault that the plant cannot be given, in a process that has its class."""
+    def _check_plant(self, node: YamlNode) -> None:
+        """Refuse what the plant's class refuses, in a process that has it, and no room for it."""
+        if not self.plant.class_.is_loaded:
+            return
+        self.plant.class_.check(node.find("plant"), self.build_plant)
+        for name in self._touched_at_start():
+            index = next(i for i, each in enumerate(self.world) if each.name == name)
+            raise node.find("world", index).error(f"{name} is where the platform starts")
         faults = {i: event.fault for i, event in enumerate(self.chaos) if event.fault is not None}
-        if not faults or not self.plant.class_.is_loaded:
+        if not faults:
             return
         plant = self.build_plant()
         for index, fault in faults.items():
@@ -296,6 +302,16 @@ class Deployment:
                 plant.check_fault(Fault.parse(fault, plant.robot))
             except FaultError as error:
                 raise node.find("chaos", index, "fault").error(str(error)) from error
+
+    def _touched_at_start(self) -> list[str]:
+        """Return the objects that the platform touches before it moves."""
+        if not self.world:
+            return []
+        from plant.scene import Scene  # which takes memory that most processes need not
+
+        scene = Scene(self.world, self.description.robot)
+        scene.touch(0.0, self.start.base)
+        return [contact.object for contact in scene.take_contacts()]
 
     def dump(self) -> str:
         """Return YAML that loads to an equal deployment in any folder, including defaults."""

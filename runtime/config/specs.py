@@ -195,15 +195,11 @@ class PlantSpec:
         return self.class_.make(setup, **self.parameters)
 
     def check(self, node: YamlNode, scope: Scope) -> None:
-        """Refuse a short hold, and parameters that the class refuses."""
+        """Refuse a short hold."""
         period = scope["period"]
         if self.hold < period:
             hold = node.find("hold")
             raise hold.error(f"{hold.text} is shorter than the period, {period:g} s")
-        robot: Robot = scope["description"].robot
-        self.class_.check(
-            node, lambda: self.build(robot, scope["start"], period, [0], scope["world"])
-        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -228,9 +224,14 @@ class GoalSpec:
         return self.class_.make(**self.parameters)
 
     def check(self, node: YamlNode, scope: Scope) -> None:
-        """Refuse too many hosts, and parameters that the class refuses."""
+        """Refuse too many hosts, parameters that the class refuses, and a grip that cannot be."""
         _check_hosts(node, self.host, self.copies)
         self.class_.check(node, self.build)
+        robot: Robot = scope["description"].robot
+        for grip in node.all_named("grip"):
+            if robot.gripper is None:
+                raise grip.error(f"robot {robot.name!r} has no gripper; remove this")
+            Quantity("5 cm", "m", least=0.0, most=robot.gripper.most).read(grip, scope)
 
 
 def _check_hosts(node: YamlNode, hosts: Sequence[str], copies: int) -> None:

@@ -101,6 +101,14 @@ class YamlNode:
             node = node.children[str(name)]
         return node
 
+    def all_named(self, name: str) -> "Iterator[YamlNode]":
+        """Yield the nodes of that key, in it and in all that it holds."""
+        for key, node in self.children.items():
+            if key == name:
+                yield node
+            else:
+                yield from node.all_named(name)
+
     def plain(self) -> Any:
         """Return its content as plain dicts, lists and text."""
         plain = {key: node.plain() for key, node in self.children.items()}

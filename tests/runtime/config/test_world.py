@@ -97,3 +97,9 @@ def test_a_mistake_is_reported_where_it_is(said: Any, instead: Any, message: Any
     assert text.startswith("x.yaml:")
     assert LINE <= line < LINE + WORLD.count("\n")
     assert message in text, text
+
+
+def test_a_duplicate_object_is_named_whatever_plant_is_built_of_it() -> None:
+    pytest.importorskip("mujoco")
+    with pytest.raises(ConfigError, match="duplicate object cup, first given at"):
+        read(WORLD.replace("name: ball", "name: cup") + "plant: {class: plant.mujoco:MujocoPlant}")
