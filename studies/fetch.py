@@ -1,5 +1,6 @@
 """A cup fetched from a table and brought to a person: without faults, and with one at random."""
 
+import json
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -17,6 +18,7 @@ from runtime.campaign.report import as_options
 from runtime.campaign.simulation import Simulation
 from runtime.config.chaos import ChaosEvent
 from runtime.config.deployment import Deployment, load
+from runtime.processes.lifetime import OK
 from runtime.results.reach import hand_error, smallest_error
 from runtime.wire.topics import PLATFORM_AGENT
 from studies.cases.fetch_courses import Course, course, one_fault
@@ -137,12 +139,16 @@ class Fetch(Study[Found]):
         live = []
         for number in range(real):
             progress.step(f"course {number}, real processes", 5)
-            live.append(_live(course(self._seed, number), broken[number].chaos, number))
-        said = f"plant: {film.plant.class_}; seed {self._seed}"
+            chaos = broken[number].chaos
+            live.append(said := _live(course(self._seed, number), chaos, number))
+            if said:
+                what = f"course {number}, {as_options(chaos)}, real processes"
+                rows.append(progress.row(Row(what, "", said)))
+        plant = f"plant: {film.plant.class_}; seed {self._seed}"
         return Found(
             rows=(*_rows(sound, broken, live), *rows),
             claims=CLAIMS,
-            notes=(said, *NOTES),
+            notes=(plant, *NOTES),
             robot=film.description.robot,
             shots=tuple(shots),
             fetched=(tuple(sound), tuple(broken)),
@@ -237,13 +243,14 @@ def _kills() -> tuple[ChaosEvent, ...]:
     return tuple(ChaosEvent(at=at, **{action: role}) for action, role, at in _FILM)  # type: ignore[arg-type]
 
 
-def _live(drawn: Course, chaos: tuple[ChaosEvent, ...], number: int) -> bool:
-    """Return whether the cup is delivered on a course through real processes."""
+def _live(drawn: Course, chaos: tuple[ChaosEvent, ...], number: int) -> str:
+    """Return what its launcher says of a course through real processes; "" for delivered."""
     options = ["--speed", "2", "--duration", f"{PATIENCE:g}s", *as_options(chaos).split()]
     for each in drawn.overrides():
         options += ["--set", f"{each.path}={each.value}"]
     with launched(DEPLOYMENT, f"fetch-study-{number}", options) as run:
-        return '"code": 0' in (run / "summary.json").read_text(encoding="utf-8")
+        summary = json.loads((run / "summary.json").read_text(encoding="utf-8"))
+        return "" if summary["code"] == OK else str(summary["headline"])
 
 
 def _missed(progress: Progress, number: int, found: Fetched) -> list[Row]:
@@ -254,7 +261,7 @@ def _missed(progress: Progress, number: int, found: Fetched) -> list[Row]:
     return [progress.row(Row(f"course {number}, {what}", "", found.end))]
 
 
-def _rows(sound: list[Fetched], broken: list[Fetched], live: list[bool]) -> list[Row]:
+def _rows(sound: list[Fetched], broken: list[Fetched], live: list[str]) -> list[Row]:
     rows = []
     for name, runs, bar in (("no fault", sound, 1.0), ("one fault", broken, DELIVERED)):
         done = sum(each.delivered is not None for each in runs)
@@ -284,7 +291,7 @@ def _rows(sound: list[Fetched], broken: list[Fetched], live: list[bool]) -> list
             ),
         ]
     if live:
-        text = share(sum(live), len(live))
+        text = share(live.count(""), len(live))
         rows.append(Row("delivered, one fault, real processes", "", text))
     return rows
 
