@@ -140,3 +140,16 @@ class Scene:
         others = self.solids(but=index)
         below = cast(others, origins, np.array([0.0, 0.0, -1.0])).distance.min()
         return float(max(min(below, centre[2]) - z, 0.0))
+
+
+def touched_at(world: Iterable[WorldObject], robot: Robot, base: Numbers) -> list[str]:
+    """Return the names of the objects that a platform touches at plant time 0.
+
+    Args:
+        world: All objects.
+        robot: Its platform's shapes.
+        base: x, y [m] and heading [rad] in the world.
+    """
+    scene = Scene(world, robot)
+    scene.touch(0.0, base)
+    return [contact.object for contact in scene.take_contacts()]

@@ -238,8 +238,7 @@ class Deployment:
     def build_plant(self) -> Plant:
         """Make the plant, not connected to anything yet."""
         seed = (self.seed, self.slot(PLANT))
-        robot = self.description.robot
-        return self.plant.build(robot, self.start, self.period, seed, self.world)
+        return self.plant.build(self.description.robot, self.start, self.period, seed, self.world)
 
     def build_agent(self, role: str) -> Agent:
         """Make an agent; its random numbers follow from the seed and its slot."""
@@ -265,8 +264,7 @@ class Deployment:
             raise node.find("routers").error(f"{what}; remove this or `security`")
         copies = len(self.processes) - len(self.roles)
         if copies > SLOTS - FIRST_COPY:
-            what = f"{copies} copies; at most {SLOTS - FIRST_COPY}"
-            raise node.find("agents").error(what)
+            raise node.find("agents").error(f"{copies} copies; at most {SLOTS - FIRST_COPY}")
         own: list[Topic] = []
         specs: list[PlantSpec | NodeSpec] = [self.plant, *self.nodes]
         for index, spec in enumerate(specs):
@@ -289,8 +287,10 @@ class Deployment:
         """Refuse what the plant's class refuses, in a process that has it, and no room for it."""
         if not self.plant.class_.is_loaded:
             return
+        from plant.scene import touched_at  # which takes memory that most processes need not
+
         self.plant.class_.check(node.find("plant"), self.build_plant)
-        for name in self._touched_at_start():
+        for name in touched_at(self.world, self.description.robot, self.start.base):
             index = next(i for i, each in enumerate(self.world) if each.name == name)
             raise node.find("world", index).error(f"{name} is where the platform starts")
         faults = {i: event.fault for i, event in enumerate(self.chaos) if event.fault is not None}
@@ -302,16 +302,6 @@ class Deployment:
                 plant.check_fault(Fault.parse(fault, plant.robot))
             except FaultError as error:
                 raise node.find("chaos", index, "fault").error(str(error)) from error
-
-    def _touched_at_start(self) -> list[str]:
-        """Return the objects that the platform touches before it moves."""
-        if not self.world:
-            return []
-        from plant.scene import Scene  # which takes memory that most processes need not
-
-        scene = Scene(self.world, self.description.robot)
-        scene.touch(0.0, self.start.base)
-        return [contact.object for contact in scene.take_contacts()]
 
     def dump(self) -> str:
         """Return YAML that loads to an equal deployment in any folder, including defaults."""
