@@ -47,11 +47,10 @@ class ClassName(Generic[_T]):
         made: _T = self.load()(*positional, **parameters)
         return made
 
-    def check(self, node: YamlNode, build: Callable[[], Any]) -> None:
-        """If it is loaded, run `build`; turn its exceptions into errors at the values in `node`."""
+    def check(self, node: YamlNode, build: Callable[[], _T]) -> _T | None:
+        """If it is loaded, return what `build` makes; its exceptions become errors in `node`."""
         try:
-            if self.is_loaded:
-                build()
+            return build() if self.is_loaded else None
         except Exception as error:  # a user's constructor may do anything
             if isinstance(error, ValueError):
                 raise node.blame(error) from error

@@ -285,18 +285,15 @@ class Deployment:
 
     def _check_plant(self, node: YamlNode) -> None:
         """Refuse what the plant's class refuses, in a process that has it, and no room for it."""
-        if not self.plant.class_.is_loaded:
+        plant = self.plant.class_.check(node.find("plant"), self.build_plant)
+        if plant is None:
             return
         from plant.scene import touched_at  # which takes memory that most processes need not
 
-        self.plant.class_.check(node.find("plant"), self.build_plant)
         for name in touched_at(self.world, self.description.robot, self.start.base):
             index = next(i for i, each in enumerate(self.world) if each.name == name)
             raise node.find("world", index).error(f"{name} is where the platform starts")
         faults = {i: event.fault for i, event in enumerate(self.chaos) if event.fault is not None}
-        if not faults:
-            return
-        plant = self.build_plant()
         for index, fault in faults.items():
             try:
                 plant.check_fault(Fault.parse(fault, plant.robot))
