@@ -30,10 +30,7 @@ from tests.runtime.conftest import wait_for
 
 CONFIRMED = 200  # [ms] from the click of STOP to the robot's word, in the median
 UNCONFIRMED = 100  # [ms] from half a second after the click to NOT CONFIRMED, by the page's clock
-CORE = 0.10  # share of a core
-MEMORY = 60 * 2**20
-"""[bytes] with all that it shares with others, in the units of `top`: how much of the libraries is
-mapped differs by some MB from run to run."""
+CORE, MEMORY = 0.10, 60e6  # share of a core, and [bytes] with all of what it shares with others
 WATCHED = 3.0  # [s] for which that is measured
 AGAIN = 3.0  # [s] after which a request that had no effect is made again
 
