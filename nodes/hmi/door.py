@@ -1,10 +1,10 @@
 """The door: HTTP and WebSocket server of the page, on one port."""
 
 import logging
-import ssl
 import traceback
 from collections.abc import Awaitable, Callable
 from http import HTTPStatus
+from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
 from websockets.asyncio.server import Server, ServerConnection, serve
@@ -14,6 +14,9 @@ from websockets.http11 import Request, Response
 
 from nodes.hmi.doorkeeper import Doorkeeper, Entry, Reply
 from nodes.hmi.protocol.values import LARGEST, Role
+
+if TYPE_CHECKING:  # a page that encrypts nothing does without
+    import ssl
 
 _MOST_VIEWERS = 16
 _ALIVE = 10.0  # [s] after which a browser that does not answer at all is gone
@@ -43,7 +46,7 @@ class Door:
         self._roles = WeakKeyDictionary[ServerConnection, Role]()
         self._met = 0  # how many connections are open
 
-    def open(self, listen: str, port: int, tls: ssl.SSLContext | None) -> Awaitable[Server]:
+    def open(self, listen: str, port: int, tls: "ssl.SSLContext | None") -> Awaitable[Server]:
         """Begin to serve; `OSError` if the port cannot be had."""
         logger = logging.getLogger("msma.page")
         logger.setLevel(logging.CRITICAL)  # strangers' mistakes are counted, not printed

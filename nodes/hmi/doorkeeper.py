@@ -8,7 +8,6 @@ carry. And the socket, by which all actions go, has to name one of our origins, 
 """
 
 import hmac
-import mimetypes
 from collections.abc import Mapping
 from http.cookies import CookieError, SimpleCookie
 from pathlib import Path
@@ -19,7 +18,13 @@ from nodes.hmi.address import Address
 from nodes.hmi.protocol.values import Role
 
 SOCKET = "/socket"
-_TYPES = {".js": "text/javascript", ".mjs": "text/javascript", ".stl": "model/stl"}
+_TYPES = {
+    ".css": "text/css",
+    ".html": "text/html",
+    ".js": "text/javascript",
+    ".stl": "model/stl",
+    ".svg": "image/svg+xml",
+}
 _UNKNOWN = (
     "This page needs the address that was printed when the robot was started:\n"
     "a line that begins with `page:`. Open that one.\n"
@@ -150,5 +155,5 @@ class Doorkeeper:
 
 
 def _type_of(file: Path) -> str:
-    kind = _TYPES.get(file.suffix) or mimetypes.guess_type(file.name)[0] or "text/plain"
+    kind = _TYPES.get(file.suffix.lower(), "text/plain")
     return f"{kind}; charset=utf-8" if kind.startswith("text/") else kind

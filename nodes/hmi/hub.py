@@ -1,12 +1,11 @@
 """What connects the viewers with the robot: it shows them the robot, and takes what they send."""
 
 import asyncio
-import ssl
 import time
 from concurrent.futures import Executor
 from contextlib import suppress
 from itertools import count
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import msgspec
 from websockets.asyncio.server import Server, ServerConnection
@@ -37,6 +36,9 @@ from nodes.hmi.viewers import Viewer
 from runtime.config.deployment import Deployment
 from runtime.processes.node import Context
 from runtime.wire.topics import GRIPPER_AGENT
+
+if TYPE_CHECKING:  # a page that encrypts nothing does without
+    import ssl
 
 TIMES = Times()
 _TABLE = 1.0  # [s] from one table of the processes to the next
@@ -100,7 +102,7 @@ class Hub:
         return bool(self._viewers)
 
     async def open(
-        self, keeper: Doorkeeper, listen: str, port: int, tls: ssl.SSLContext | None
+        self, keeper: Doorkeeper, listen: str, port: int, tls: "ssl.SSLContext | None"
     ) -> None:
         """Begin to serve; `OSError` if the port cannot be had."""
         self._server = await Door(keeper, self._refuse, self._meet).open(listen, port, tls)

@@ -1,15 +1,34 @@
 """Where the page is served, and by which certificate."""
 
-import ssl
 from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
 
 from plant.errors import MsmaError
+
+if TYPE_CHECKING:  # not before there is a certificate
+    import ssl
 
 LOOPBACK = ("127.0.0.1", "localhost")
 
 
 class DoorError(MsmaError, ValueError):
     """The page cannot be served so: it says which parameter is wrong and what would do."""
+
+
+class Listening(NamedTuple):
+    """Where the page is served.
+
+    Attributes:
+        port: The port; None for one of its own.
+        listen: The address of this computer.
+        names: Further names or addresses by which browsers call this computer.
+        tls: What encrypts the page.
+    """
+
+    port: int | None
+    listen: str
+    names: tuple[str, ...]
+    tls: "ssl.SSLContext | None"
 
 
 def check_listen(
@@ -33,10 +52,12 @@ def check_listen(
         )
 
 
-def tls_context(certificate: Path | None, key: Path | None) -> ssl.SSLContext | None:
+def tls_context(certificate: Path | None, key: Path | None) -> "ssl.SSLContext | None":
     """Return what encrypts the page; None without a certificate."""
     if certificate is None or key is None:
         return None
+    import ssl
+
     context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
     try:
         context.load_cert_chain(certificate, key, password="")  # or it would ask for one

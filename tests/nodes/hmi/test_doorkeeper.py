@@ -5,7 +5,7 @@ import pytest
 from nodes.hmi.address import Address, find_address, keep_address, new_address
 from nodes.hmi.doorkeeper import Doorkeeper, Entry, Reply
 from nodes.hmi.listening import DoorError, check_listen
-from nodes.hmi.page import own_port
+from nodes.hmi.serving import own_port
 from runtime.wire.mesh import ALL_BASES, SLOTS
 
 ADDRESS = Address("http://127.0.0.1:8420", 8420, "operators-token", "engineers-token")
