@@ -21,13 +21,18 @@ def open_socket(
     address: Address, token: str | None = None, **options: Any
 ) -> AbstractContextManager[ClientConnection]:
     """Open the socket as the page does; `options` replace what a browser would send."""
-    headers = {"Cookie": f"msma-{address.port}={token or address.operator}"}
-    options = {"origin": address.origin, "additional_headers": headers} | options
-    url = address.origin.replace("http", "ws", 1)
-    opened: AbstractContextManager[ClientConnection] = connect(
-        f"{url}/socket", compression=None, **options
-    )
+    url, options = as_browser(address, token, **options)
+    opened: AbstractContextManager[ClientConnection] = connect(url, **options)
     return opened
+
+
+def as_browser(
+    address: Address, token: str | None = None, **options: Any
+) -> tuple[str, dict[str, Any]]:
+    """Return where the socket is, and what a browser would send, but for `options`."""
+    headers = {"Cookie": f"msma-{address.port}={token or address.operator}"}
+    usual = {"origin": address.origin, "additional_headers": headers, "compression": None}
+    return f"{address.origin.replace('http', 'ws', 1)}/socket", usual | options
 
 
 class Browser:
