@@ -65,10 +65,11 @@ export class Marker {
     find("goal-go").dataset.move = TO_MARKER;
     hold(find("goal-go"));
     this.details = find("goal-part");
-    this.details.ontoggle = () => {
-      if (this.details.open && this.position === null && hand()) this.put(hand());
-      moved(this.details.open ? this.position : null);
+    // at the click, for "toggle" comes later, and may find a number that is being typed
+    this.details.querySelector("summary").onclick = () => {
+      if (this.position === null && hand()) this.put(hand());
     };
+    this.details.ontoggle = () => moved(this.details.open ? this.position : null);
   }
 
   #row(axis, i) {

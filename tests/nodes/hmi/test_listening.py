@@ -5,6 +5,7 @@ import json
 import socket
 import ssl
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
 from http.client import HTTPSConnection
 from pathlib import Path
@@ -83,8 +84,8 @@ def get(served: Served, path: str, **headers: str) -> tuple[int, str]:
 def first_message(served: Served, **options: Any) -> dict[str, Any]:
     """Open the socket and return what is said first.
 
-    In one thread: the client of websockets that has two may read and write at the same time, and
-    with TLS the request then got lost now and then, most of all on a busy machine.
+    It reads and writes in one thread: the client of websockets with two may do both at the same
+    time, and with TLS the request then got lost now and then, most of all on a busy machine.
     """
 
     async def first() -> dict[str, Any]:
@@ -93,7 +94,8 @@ def first_message(served: Served, **options: Any) -> dict[str, Any]:
             message: dict[str, Any] = json.loads(await opened.recv())
             return message
 
-    return asyncio.run(first())
+    with ThreadPoolExecutor(1) as thread:  # in that of the test Playwright may have a loop
+        return thread.submit(lambda: asyncio.run(first())).result()
 
 
 def test_by_tls_the_page_is_there_for_who_has_its_token(served: Served) -> None:
