@@ -15,8 +15,14 @@ def course(goal, hand, now=(0.0, 0.0), going=0.0):
     return Course(goal + going * PLANNER.times, hand * whole, np.array(now), np.ones(2))
 
 
-def planned(ahead, before=None):
+def made(ahead, before=None):
     return advance(PLANNER.plan(ahead, before))
+
+
+def planned(ahead):
+    """Return the plan to be followed, and the errors with it."""
+    plans, left = made(ahead)
+    return plans[..., 0, :, :], left
 
 
 def tail(course):
@@ -25,11 +31,12 @@ def tail(course):
 
 def followed(goal, hand, plans=60, period=0.1, going=0.0):
     """Drive as planned, planning anew all the time; return the error left [m]."""
-    place, heading, plan, now = 0j, 0.0, None, np.zeros(2)
+    place, heading, last, now = 0j, 0.0, None, np.zeros(2)
     for _ in range(plans):
         turn = np.exp(-1j * heading)
-        before = None if plan is None else PLANNER.later(plan, period)
-        plan, _ = planned(course((goal - place) * turn, hand, now, going * turn), before)
+        before = None if last is None else PLANNER.later(last, period)
+        last, _ = made(course((goal - place) * turn, hand, now, going * turn), before)
+        plan = last[0]
         assert (plan[:, 0] >= 0).all()
         assert (np.abs(plan) <= 1 + 1e-12).all()
         now = plan[0]
