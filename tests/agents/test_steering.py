@@ -58,6 +58,22 @@ def test_a_hand_behind_the_axle_keeps_to_a_goal_that_goes(hand, going):
     assert followed(hand + 0.2j, hand, plans=300, going=going) < 0.005
 
 
+@pytest.mark.parametrize(
+    ("hand", "speed", "towards"),
+    [(0.668 - 0.166j, 0.08, 50), (0.6 - 0.1j, 0.06, 80), (0.7 - 0.2j, 0.1, 90)],
+)
+def test_a_goal_that_stands_for_a_moment_and_goes_aside_is_not_overtaken(hand, speed, towards):
+    # the way with the goal, of all that are tried, takes four steps to be the best
+    brakes = np.zeros((2, INTERVALS, 2))
+    brakes[0, 0, 0] = 0.04
+    going = speed * np.exp(1j * np.radians(towards))
+    here = course(hand + 0.003, hand, now=(0.1 if speed < 0.1 else 0.2, 0.0), going=going)
+    plans = brakes
+    for _ in range(8):
+        plans, left = made(here, plans)
+    assert left.max() < 0.05
+
+
 def test_a_plan_ends_with_the_heading_with_which_a_hand_behind_the_axle_stays():
     found = tail(course(0.5, -0.5 + 0.2j, going=0.07j))
     np.testing.assert_allclose(found.heading, [1j], atol=1e-12)
