@@ -46,9 +46,8 @@ SEEDS = 12
 """[] Headings at the end for which a plan that turns, drives and turns is tried. Trade-off: 18
 find no better plans."""
 BETTER = 0.9
-"""[] Share of the present plan's cost that another one needs to replace it, and of its own that a
-step must leave for another to be worth it. Chosen: hysteresis against changing sides at every
-plan; 0.97 makes no difference."""
+"""[] Share of the present plan's cost that another one needs to replace it. Chosen:
+hysteresis against changing sides at every plan; 0.97 makes no difference."""
 BEYOND = 6
 """[] Growing intervals after the plan's end, in which only the heading that tows is worked out.
 Chosen: they reach to 90 s with ARPH; 3 do nearly as well."""
@@ -158,10 +157,10 @@ class Planner:
         """Return two plans (..., 2, M, 2), and the errors (..., M) [m] expected with the first.
 
         The first is the better of two after a Gauss-Newton step each: what is left of the one made
-        last, and the best of those that stop, go on, or turn, drive and turn. The second is the
-        other of these two, to be worked on in the next plan, if the step has made it better: a plan
-        that turns another way takes some steps to show what it is worth. Else it stands still. They
-        are worked out in parts of about the same time, after each of which the caller may wait.
+        last, and the best of those that stop, go on, or turn, drive and turn, and of what is left
+        of the second. That is the other of these two: a way may take some steps to show what it is
+        worth. They are worked out in parts of about the same time, after each of which the caller
+        may wait.
 
         Args:
             course: What is expected.
@@ -173,26 +172,21 @@ class Planner:
             others.append(self._clearance.detours(course.near, course.goal, course.hand))
         held = np.empty((*course.goal.shape[:-1], 1, INTERVALS, 2))
         held[...] = course.now[..., None, None, :]
-        stands = np.zeros_like(held)
         last = held if before is None else before[..., ::-1, :, :]
-        plans = np.concatenate([stands, held, *others, last], axis=-3)
+        plans = np.concatenate([np.zeros_like(held), held, *others, last], axis=-3)
         tail = tail_of(course.goal, course.hand, self.times, self.end)
         tried = self._tried(course, tail, plans.clip(least, most))
         index = np.full((*course.goal.shape[:-1], 2), plans.shape[-3] - 1)
         index[..., 1] = tried.cost[..., :-1].argmin(axis=-1)
         tried = tried.chosen(index)
-        begun = tried.cost
         yield
         tried = yield from self._improved(course, tail, tried, least, most)
         costs = tried.cost.reshape(*index.shape, len(STEPS))
         best, cost = costs.argmin(axis=-1), costs.min(axis=-1)
         best[..., 1] += len(STEPS)
         takes = cost[..., 1] < BETTER * cost[..., 0]
-        order = np.stack([takes, ~takes], axis=-1).astype(np.intp)
-        made = _taken(tried.plan, _taken(best, order))
-        better = _taken(cost < BETTER * begun, order)
-        made[..., 1:, :, :] = np.where(better[..., 1:, None, None], made[..., 1:, :, :], stands)
-        return made, _taken(tried.far, _taken(best, order)[..., :1])[..., 0, :]
+        best = _taken(best, np.stack([takes, ~takes], axis=-1).astype(np.intp))
+        return _taken(tried.plan, best), _taken(tried.far, best)[..., 0, :]
 
     def later(self, plan: Array, elapsed: float) -> Array:
         """Return what is left of plans (..., M, 2), `elapsed` [s] later; their end lasts."""
