@@ -154,17 +154,11 @@ class Planner:
         self._final = np.exp(2j * np.pi * np.arange(SEEDS) / SEEDS)
 
     def plan(self, course: Course, before: Array | None) -> InParts[tuple[Array, Array]]:
-        """Return two plans (..., 2, M, 2), and the errors (..., M) [m] expected with the first.
+        """Return a plan (..., M, 2), and the errors (..., M) [m] expected with it.
 
-        The first is the better of two after a Gauss-Newton step each: what is left of the one made
-        last, and the best of those that stop, go on, or turn, drive and turn, and of what is left
-        of the second. That is the other of these two: a way may take some steps to show what it is
-        worth. They are worked out in parts of about the same time, after each of which the caller
-        may wait.
-
-        Args:
-            course: What is expected.
-            before: (..., 2, M, 2) what is left of the plans made last; None if there are none.
+        The better of two after a Gauss-Newton step each: what is left of the plan made last
+        (`before`), and the best of those that stop, go on, or turn, drive and turn. It is worked
+        out in parts of about the same time, after each of which the caller may wait.
         """
         least, most = self._bounds(course)
         others = [self._seeds(course)]
@@ -172,8 +166,8 @@ class Planner:
             others.append(self._clearance.detours(course.near, course.goal, course.hand))
         held = np.empty((*course.goal.shape[:-1], 1, INTERVALS, 2))
         held[...] = course.now[..., None, None, :]
-        last = held if before is None else before[..., ::-1, :, :]
-        plans = np.concatenate([np.zeros_like(held), held, *others, last], axis=-3)
+        first = held if before is None else before[..., None, :, :]
+        plans = np.concatenate([np.zeros_like(held), held, *others, first], axis=-3)
         tail = tail_of(course.goal, course.hand, self.times, self.end)
         tried = self._tried(course, tail, plans.clip(least, most))
         index = np.full((*course.goal.shape[:-1], 2), plans.shape[-3] - 1)
@@ -183,10 +177,9 @@ class Planner:
         tried = yield from self._improved(course, tail, tried, least, most)
         costs = tried.cost.reshape(*index.shape, len(STEPS))
         best, cost = costs.argmin(axis=-1), costs.min(axis=-1)
-        best[..., 1] += len(STEPS)
         takes = cost[..., 1] < BETTER * cost[..., 0]
-        best = _taken(best, np.stack([takes, ~takes], axis=-1).astype(np.intp))
-        return _taken(tried.plan, best), _taken(tried.far, best)[..., 0, :]
+        index = np.where(takes, best[..., 1] + len(STEPS), best[..., 0])[..., None]
+        return _taken(tried.plan, index)[..., 0, :, :], _taken(tried.far, index)[..., 0, :]
 
     def later(self, plan: Array, elapsed: float) -> Array:
         """Return what is left of plans (..., M, 2), `elapsed` [s] later; their end lasts."""

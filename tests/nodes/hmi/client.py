@@ -1,11 +1,13 @@
 """A client of the page's socket in place of a browser: it answers each state as if painted."""
 
 import json
+import socket
 import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
 from typing import Any, Self
+from urllib.parse import urlsplit
 
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection, connect
@@ -33,6 +35,12 @@ def as_browser(
     headers = {"Cookie": f"msma-{address.port}={token or address.operator}"}
     usual = {"origin": address.origin, "additional_headers": headers, "compression": None}
     return f"{address.origin.replace('http', 'ws', 1)}/socket", usual | options
+
+
+def listens(address: Address) -> bool:
+    """Tell whether the page's socket is open: one that was revived is alive a little before."""
+    with socket.socket() as one:
+        return one.connect_ex((urlsplit(address.origin).hostname, address.port)) == 0
 
 
 class Browser:

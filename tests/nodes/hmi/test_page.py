@@ -14,7 +14,7 @@ from websockets.exceptions import ConnectionClosed
 
 from nodes.hmi.address import Address
 from runtime.results.run_log import read_run_log
-from tests.nodes.hmi.client import Browser, open_socket
+from tests.nodes.hmi.client import Browser, listens, open_socket
 from tests.nodes.hmi.conftest import WebRobot, driven
 from tests.runtime.conftest import ROOT, SOON, wait_for
 
@@ -64,6 +64,7 @@ def test_the_hand_follows_the_button_and_rests_whatever_happens_to_the_page(
     revived = web_robot.tool("revive", "hmi")
     assert revived.returncode == 0, revived.stderr
     assert web_robot.address == address  # the same tokens, so that browsers find it again
+    wait_for(lambda: listens(address), "the page to be there again")
     with Browser(address) as browser:
         t = browser.wait_state(lambda one: one["gate"], "the gate")["t"]
         assert browser.state["gate"]["mode"] == "shared"
@@ -91,6 +92,7 @@ def test_one_drives_and_anybody_stops_which_lasts_until_it_is_released(
 
         web_robot.tool("kill", "hmi")
     assert web_robot.tool("revive", "hmi").returncode == 0
+    wait_for(lambda: listens(address), "the page to be there again")
     with Browser(address, address.engineer) as browser:
         state = browser.wait_state(lambda state: state["gate"], "the gate")
         assert state["gate"]["halted"]
