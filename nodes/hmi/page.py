@@ -1,5 +1,6 @@
 """The operator's page: a node that serves it, and drives the robot by what comes back."""
 
+from contextlib import nullcontext
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated, Literal
@@ -48,9 +49,6 @@ class Page(Node):
     def run(self, context: Context) -> None:
         """Serve the page until the process is to end."""
         # Not before: the robot's other processes know this class too, and need no server.
-        if self._at.tls is None:
-            with without_openssl():
-                from nodes.hmi.serving import serve
-        else:
+        with without_openssl() if self._at.tls is None else nullcontext():
             from nodes.hmi.serving import serve
         serve(self, context, self._at, self._language)
