@@ -87,6 +87,33 @@ def test_a_hand_at_its_goal_stays():
     assert left.max() < 1e-6
 
 
+def after(course, plans=5):
+    """Return the plan to be followed after some have been made, and the errors with it."""
+    both = None
+    for _ in range(plans):
+        both, left = made(course, both)
+    return both[0], left
+
+
+@pytest.mark.parametrize("going", [0.05j, -0.07j])
+def test_what_an_arm_makes_good_of_its_turns_keeps_no_platform_from_turning(going):
+    aside = course(0.5, 0.5, going=going)
+    turned = aside._replace(turn=np.full(1, 0.17 + 0j))
+    _, free = after(aside)
+    _, stiff = after(turned)
+    _, made_good = after(turned._replace(keeps=np.ones(1)))
+    assert made_good == pytest.approx(free, abs=1e-3)
+    assert stiff.max() > 3 * free.max(), "with a stiff arm it leaves the goal for the hand's turn"
+
+
+@pytest.mark.parametrize("keeps", [0.0, 0.5, 1.0])
+@pytest.mark.parametrize("off", [0.4, -0.4])
+def test_it_turns_a_hand_back_whatever_the_arm_makes_good(keeps, off):
+    turned = course(0j, 0.0)._replace(turn=0.12 * np.exp([1j * off]), keeps=np.array([keeps]))
+    plan, _ = after(turned)
+    assert plan[:, 1] @ PLANNER.length * 0.8 == pytest.approx(-off, abs=0.01)
+
+
 def test_what_is_left_of_a_steady_plan_is_the_same():
     plan = np.tile([0.5, -0.2], (INTERVALS, 1))
     np.testing.assert_allclose(PLANNER.later(plan, 0.3), plan)
