@@ -1,13 +1,12 @@
 """The agent of the mobile platform."""
 
 from math import ceil, exp
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from agents.agent import REST, Agent, AgentError, Array, Body, Goal, Percepts, Places
 from agents.avoiding import Avoiding
-from agents.carried_turns import CarriedTurns
 from agents.in_parts import InParts, advance
 from agents.lifting import lifted
 from agents.markers import LEVER, Off, Quaternion, aim_at, cost, reach_of, turn_against
@@ -65,10 +64,7 @@ class Memory(NamedTuple):
         moved: (..., n) mean squares of the joints' speeds.
         lasting: (...) sum of what was missing [m], in the world.
         ease: (...) by what the hand is carried past its goal [m], as the platform faces.
-        carried: what of its turns the hand goes along with; None if how it is turned does not
-            matter.
-        plans: (..., 2, M, 2) the one followed, and another that is worked on; now: (..., 2) the
-            speeds when they were made, as shares of the tops.
+        plan: (..., M, 2), now: (..., 2) the speeds when it was made, as shares of the tops.
         left: (...) error that it leaves [m].
     """
 
@@ -79,8 +75,7 @@ class Memory(NamedTuple):
     moved: Array
     lasting: Places
     ease: Places
-    carried: CarriedTurns | None
-    plans: Array
+    plan: Array
     now: Array
     left: Array
 
@@ -203,7 +198,7 @@ class PlatformAgent(Agent):
 
         As shares of the greatest speeds: never negative, and more of a drive that gives less.
         """
-        soon = memory.plans[..., 0, 0, :]
+        soon = memory.plan[..., 0, :]
         if self._avoiding is not None:
             soon = soon * self._avoiding.shares
         wanted = memory.now + min(share, 1.0) * (soon - memory.now)
@@ -251,10 +246,7 @@ class PlatformAgent(Agent):
         )
         zero = np.zeros(held.shape)
         if old is None:
-            none: Any = None
-            old = Memory(
-                t, hand, going, (zero, zero), np.zeros(1), zero, zero, none, none, none, zero
-            )
+            old = Memory(t, hand, going, (zero, zero), np.zeros(1), zero, zero, None, None, zero)  # type: ignore[arg-type]
         end, share = self._planner.times, self._share(elapsed)
         # the goal goes on, on a circle if its way has bent
         bent = np.angle(going * np.conj(old.going))
@@ -272,7 +264,7 @@ class PlatformAgent(Agent):
         moved, hand_then = old.moved, held[..., None]
         if view.arm is not None and percepts.joints is not None:
             fresh = np.fmax(percepts.joints.velocity**2, 0.0)  # not a number counts as none
-            moved = old.moved + (1.0 if old.plans is None else self._share(elapsed, SOON)) * (
+            moved = old.moved + (1.0 if old.plan is None else self._share(elapsed, SOON)) * (
                 fresh - old.moved
             )
             still = STILL * self._top[0]
@@ -291,28 +283,21 @@ class PlatformAgent(Agent):
         more = elapsed / self._unit * missing * np.conj(turn)
         lasting = old.lasting + np.where(sums, more, -share * old.lasting)
         whole, turned = self._turned(view, goal, t, aim - hand)
-        carried, keeps = None, zero
-        if turned is not None and view.turn is not None:
-            means = np.zeros((2, *zero.shape))
-            if old.carried is not None:
-                means = old.carried.seen(view.turn, turn, elapsed, share)
-            carried = CarriedTurns(view.turn, turn, means)
-            keeps = carried.made_good(STILL * float(self._top[1]))
         content = (1 - whole / (CONTENT * self._length)).clip(0.0, 1.0)
         ease = old.ease + share * (content * self._comfort(held, hand[..., 2]) - old.ease)
         wanted = goal_then + (lasting * turn + ease)[..., None]
         now = own.speed.clip(FORWARD, 1.0)
-        before = None if old.plans is None else self._planner.later(old.plans, elapsed)
+        before = None if old.plan is None else self._planner.later(old.plan, elapsed)
         near = None
         if self._avoiding is not None:
             near = self._avoiding.seen(t, base, percepts.sensors.get("ranges"))
-        course = Course(wanted, hand_then, now, able, turned, keeps[..., None], near)
+        course = Course(wanted, hand_then, now, able, turned, near)
         yield
-        plans, missed = yield from self._planner.plan(course, before)
+        plan, missed = yield from self._planner.plan(course, before)
         if self._avoiding is not None:
-            self.trouble = self._avoiding.limited(base, plans[0, 0] * self._top, np.abs(missing))
+            self.trouble = self._avoiding.limited(base, plan[0] * self._top, np.abs(missing))
         left = missed[..., self._planner.end >= self._fades].max(axis=-1)
-        return Memory(t, hand, going, bends, moved, lasting, ease, carried, plans, now, left)
+        return Memory(t, hand, going, bends, moved, lasting, ease, plan, now, left)
 
     def _bent(
         self, elapsed: float, old: tuple[Array, Array], bent: Array, round_way: Array

@@ -69,7 +69,6 @@ class Course(NamedTuple):
         able: (..., 2) shares of the tops that the drive makes.
         turn: (..., 1) z: its angle is by how much the hand is turned about the upright against
             its goal, and a turn by c puts its markers off by |z| |e^ic - 1| [m]. None for any.
-        keeps: (..., 1) share of the platform's turns that the arm makes good.
         near: (K,) things to keep clear of [m]. None without an eye for them.
     """
 
@@ -78,7 +77,6 @@ class Course(NamedTuple):
     now: Array
     able: Array
     turn: Places | None = None
-    keeps: Array = np.zeros(1)
     near: Places | None = None
 
 
@@ -156,17 +154,11 @@ class Planner:
         self._final = np.exp(2j * np.pi * np.arange(SEEDS) / SEEDS)
 
     def plan(self, course: Course, before: Array | None) -> InParts[tuple[Array, Array]]:
-        """Return two plans (..., 2, M, 2), and the errors (..., M) [m] expected with the first.
+        """Return a plan (..., M, 2), and the errors (..., M) [m] expected with it.
 
-        The first is the better of two after a Gauss-Newton step each: what is left of the one made
-        last, and the best of those that stop, go on, or turn, drive and turn, and of what is left
-        of the second. That is the other of these two: a way may take some steps to show what it is
-        worth. They are worked out in parts of about the same time, after each of which the caller
-        may wait.
-
-        Args:
-            course: What is expected.
-            before: (..., 2, M, 2) what is left of the plans made last; None if there are none.
+        The better of two after a Gauss-Newton step each: what is left of the plan made last
+        (`before`), and the best of those that stop, go on, or turn, drive and turn. It is worked
+        out in parts of about the same time, after each of which the caller may wait.
         """
         least, most = self._bounds(course)
         others = [self._seeds(course)]
@@ -174,8 +166,8 @@ class Planner:
             others.append(self._clearance.detours(course.near, course.goal, course.hand))
         held = np.empty((*course.goal.shape[:-1], 1, INTERVALS, 2))
         held[...] = course.now[..., None, None, :]
-        last = held if before is None else before[..., ::-1, :, :]
-        plans = np.concatenate([np.zeros_like(held), held, *others, last], axis=-3)
+        first = held if before is None else before[..., None, :, :]
+        plans = np.concatenate([np.zeros_like(held), held, *others, first], axis=-3)
         tail = tail_of(course.goal, course.hand, self.times, self.end)
         tried = self._tried(course, tail, plans.clip(least, most))
         index = np.full((*course.goal.shape[:-1], 2), plans.shape[-3] - 1)
@@ -185,10 +177,9 @@ class Planner:
         tried = yield from self._improved(course, tail, tried, least, most)
         costs = tried.cost.reshape(*index.shape, len(STEPS))
         best, cost = costs.argmin(axis=-1), costs.min(axis=-1)
-        best[..., 1] += len(STEPS)
         takes = cost[..., 1] < BETTER * cost[..., 0]
-        best = _taken(best, np.stack([takes, ~takes], axis=-1).astype(np.intp))
-        return _taken(tried.plan, best), _taken(tried.far, best)[..., 0, :]
+        index = np.where(takes, best[..., 1] + len(STEPS), best[..., 0])[..., None]
+        return _taken(tried.plan, index)[..., 0, :, :], _taken(tried.far, index)[..., 0, :]
 
     def later(self, plan: Array, elapsed: float) -> Array:
         """Return what is left of plans (..., M, 2), `elapsed` [s] later; their end lasts."""
@@ -287,11 +278,9 @@ class Planner:
         slopes, errors = [ways, aside], [missing, beside]
         if course.turn is not None:
             turned = headings * course.turn[..., None]
-            off, share = _turn_off(course, headings)
-            spins = (1j * share * turned)[..., None] * self._spins
+            spins = 1j * turned[..., None] * self._spins
             slopes.append(np.concatenate([np.zeros_like(spins), spins], axis=-1))
-            missed = np.abs(turned) - turned
-            errors.append(missed * (off / np.maximum(np.abs(missed), 1e-300)))
+            errors.append(np.abs(turned) - turned)
             root = np.concatenate([root, root[..., :INTERVALS]], axis=-1)
         root = np.concatenate([root, root], axis=-1)
         slope = np.concatenate([x.real for x in slopes] + [x.imag for x in slopes], axis=-2)
@@ -337,20 +326,8 @@ def _with_turn(course: Course, heading: Places, far: Array) -> Array:
     """Return errors (..., C, M) [m] of place, with those of the turn at headings e^ia."""
     if course.turn is None:
         return far
-    return np.hypot(far, _turn_off(course, heading)[0])
-
-
-def _turn_off(course: Course, heading: Places) -> tuple[Array, Array]:
-    """Return by how much markers are off (..., C, M) [m] at headings e^ia, and its slope.
-
-    The slope is a share of what it is under an arm that makes no turn good. Of what is beyond the
-    present error, an arm makes good what it `keeps`.
-    """
-    assert course.turn is not None
     turned = heading * course.turn[..., None]
-    off, present = (np.abs(x - np.abs(x)) for x in (turned, course.turn[..., None]))
-    share = np.where(off > present, 1.0 - course.keeps[..., None], 1.0)
-    return np.minimum(off, present) + share * np.maximum(off - present, 0.0), share
+    return np.hypot(far, np.abs(turned - np.abs(turned)))
 
 
 def _taken(values: npt.NDArray[Any], index: npt.NDArray[np.intp]) -> npt.NDArray[Any]:
