@@ -15,7 +15,6 @@ _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _MAX_BYTES = 4_000_000
 _MAX_NODES = 100_000  # with aliases expanded
 _MAX_DEPTH = 20
-_TOO_DEEP = f"is nested deeper than {_MAX_DEPTH} levels"
 _NULLS = ("", "~", "null", "Null", "NULL")
 
 
@@ -153,14 +152,13 @@ def parse(text: str, start: Location) -> YamlNode:
     try:
         return _Builder(text, start).document()
     except yaml.MarkedYAMLError as error:
-        location = start
-        if start.line and error.problem_mark is not None:
-            mark = error.problem_mark
+        location, mark = start, error.problem_mark
+        if mark is not None and "nesting depth" in str(error.problem):
+            # PyYAML 6.0.4 reads ahead to its own limit: what is before that is too deep for ours.
+            return parse(text[: mark.index], start)
+        if start.line and mark is not None:
             location = start._replace(line=mark.line + 1, column=mark.column + 1)
-        what = f"is not YAML: {error.problem}"
-        if "nesting depth" in str(error.problem):  # the parser's own limit, from PyYAML 6.0.4 on
-            what = _TOO_DEEP  # it reads ahead, and may be at its limit before we are at ours
-        raise ConfigError(f"{location}: {what}") from None
+        raise ConfigError(f"{location}: is not YAML: {error.problem}") from None
     except yaml.reader.ReaderError as error:
         if start.line:
             before = text[: text.index(chr(error.character))]
@@ -258,6 +256,6 @@ class _Builder:
     def count_node(self, depth: int, location: Location) -> None:
         self.count += 1
         if depth > _MAX_DEPTH:
-            raise ConfigError(f"{location}: {_TOO_DEEP}")
+            raise ConfigError(f"{location}: is nested deeper than {_MAX_DEPTH} levels")
         if self.count > _MAX_NODES:
             raise ConfigError(f"{location}: more than {_MAX_NODES} values, with aliases expanded")

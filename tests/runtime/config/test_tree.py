@@ -1,6 +1,5 @@
 import contextlib
 import os
-import re
 from pathlib import Path
 from typing import Any
 
@@ -82,17 +81,15 @@ def test_aliases_and_merge_keys_are_written_out() -> None:
         ("{<<: 3}", "x.yaml:1:6: << takes a mapping, or a list of mappings"),
         ("a: !b c", "x.yaml:1:4: the tag !b is not allowed; remove it"),
         ("[" * 22, "x.yaml:1:22: is nested deeper than 20 levels"),
+        ("[" * 200_000, "x.yaml:1:22: is nested deeper than 20 levels"),
+        ("é: " + "[" * 200_000, "x.yaml:1:24: is nested deeper than 20 levels"),
         ("{a: " * 999, "x.yaml:1:85: is nested deeper than 20 levels"),
+        ("{a: " * 200_000, "x.yaml:1:85: is nested deeper than 20 levels"),
+        ("- " * 200_000, "x.yaml:1:43: is nested deeper than 20 levels"),
     ],
 )
 def test_bad_yaml_is_refused_with_its_location(text: str, says: str) -> None:
     assert refused(text) == says
-
-
-@pytest.mark.parametrize("text", ["[" * 200_000, "{a: " * 200_000, "- " * 200_000])
-def test_what_is_nested_too_deep_for_the_parser_is_refused_in_the_same_words(text: str) -> None:
-    said = refused(text)  # where depends on how far it reads ahead, and on its own limit
-    assert re.fullmatch(r"x\.yaml:1:\d+: is nested deeper than 20 levels", said)
 
 
 def test_a_bomb_of_aliases_is_refused_before_it_goes_off() -> None:
