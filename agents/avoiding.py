@@ -99,6 +99,8 @@ class Avoiding:
             return "stands: hears nothing of its range sensors"
         if np.isnan(echoes.ranges).all():
             return "stands: all its range sensors are lost"
+        if echoes.t < echoes.waits:
+            return "stands: something moves around it"
         if limit.nearest is None or limit.gap > self._reach:
             return ""
         where = np.angle(limit.nearest)

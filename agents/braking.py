@@ -11,8 +11,6 @@ from plant.robot import Drive
 
 KEPT = 0.04
 """[L] Gap that is kept to what is seen. Chosen: four times the noise of ultrasonic sensors."""
-WALKS = 1.6
-"""[m/s] With which what moves by itself comes at most. From ISO 13855, for people who walk."""
 SHARES = np.array([1.0, 0.8, 0.6, 0.4, 0.25, 0.12, 0.0])
 """[] Of the planned speeds that are tried. Chosen: finer where the platform is slow."""
 POSES = 6
@@ -60,17 +58,14 @@ class Brakes:
         It brakes along its way with its full deceleration. At each pose on the way to rest, what
         is seen must be beyond the gap kept, or not nearer than it is now, for the platform to be
         able to drive away from what has come too close; but it may always turn to look where it
-        does not see. What moves by itself must be beyond what it can walk until then.
+        does not see. While anything moves by itself, it waits.
         """
         turn, place = np.exp(-1j * base[2]), complex(base[0], base[1])
-        if np.isnan(echoes.ranges).all():
+        if np.isnan(echoes.ranges).all() or echoes.t < echoes.waits:
             return Limit(np.zeros(2), None, np.inf)
         arcs = self._sonar.arcs(echoes.ranges)
-        unseen, points, movers = (
-            (some - place) * turn for some in (echoes.unseen, echoes.points, echoes.movers)
-        )
-        still = np.concatenate([unseen, arcs[np.isfinite(arcs)], points])
-        things = np.concatenate([still, movers])
+        unseen, points = ((some - place) * turn for some in (echoes.unseen, echoes.points))
+        things = np.concatenate([unseen, arcs[np.isfinite(arcs)], points])
         if not things.size:
             return Limit(np.ones(2), None, np.inf)
         gaps = self._outline.gap(things)
@@ -88,11 +83,7 @@ class Brakes:
         seen = (things - chord[..., None]) * np.exp(-2j * half)[..., None]
         then = self._outline.gap(seen)  # (tried, POSES, things)
         then[tried[:, 0] == 0, :, : len(unseen)] = np.inf
-        kept, count = KEPT * self._reach, len(still)
-        enough = np.minimum(kept, gaps[:count] - 1e-9)
-        safe = (then[..., :count] >= enough).all(axis=(-1, -2))
-        age = echoes.t - echoes.seen + t[..., None]
-        safe &= (then[..., count:] >= kept + WALKS * age).all(axis=(-1, -2))
-        safe |= ~tried.any(axis=-1)
+        enough = np.minimum(KEPT * self._reach, gaps - 1e-9)
+        safe = (then >= enough).all(axis=(-1, -2)) | ~tried.any(axis=-1)
         best = np.where(safe, np.abs(tried) @ (1 / self._slows), -1.0).argmax()
         return Limit(self._pairs[best], complex(things[nearest]), float(gaps[nearest]))

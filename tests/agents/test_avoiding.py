@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from agents.agent import Body, Percepts
-from agents.braking import WALKS, Brakes
+from agents.braking import Brakes
 from agents.echoes import FORGETS, Sonar
 from agents.outline import Outline
 from agents.platform import PlatformAgent
@@ -92,16 +92,21 @@ def test_only_the_nearest_echoes_are_kept(monkeypatch):
     assert len(echoes.points) == 3
 
 
+def waits(*sights):
+    echoes = looks(*sights)
+    return echoes.t < echoes.waits
+
+
 def test_what_comes_where_it_was_free_moves_by_itself():
     still = (0.0, 0.0, 0.0)
     stands = [(0.1 * n, still, echo(3, 1.0)) for n in range(5)]
-    assert looks(*stands).movers.size == 0
+    assert not waits(*stands)
     came = [(0.1 * n, still, FREE) for n in range(3)]
     comes = [(0.1 * n, still, echo(3, 1.0)) for n in range(3, 5)]
-    assert looks(*came, comes[0]).movers.size == 0, "once is no proof"
-    assert looks(*came, *comes).movers.size > 0
-    later = looks(*came, *[(0.1 * n, still, echo(3, 1.0)) for n in range(3, 40)])
-    assert later.movers.size == 0, "it stands now"
+    assert not waits(*came, comes[0]), "once is no proof"
+    assert waits(*came, *comes)
+    later = [(0.1 * n, still, echo(3, 1.0)) for n in range(3, 60)]
+    assert not waits(*came, *later), "it stands now"
 
 
 def test_before_a_lost_sensor_there_may_be_something_until_others_have_looked():
@@ -137,11 +142,14 @@ def test_it_may_turn_away_from_what_has_come_too_close(seeing):
     assert turns[0] @ [0.3, 0.8] < turns[1] @ [0.3, 0.8]
 
 
-def test_it_may_not_go_where_somebody_who_moves_can_be(seeing):
-    base, far = np.zeros(3), WALKS * 0.5
+@pytest.mark.parametrize("far", [0.8, 2.5])
+def test_it_waits_for_somebody_who_moves_however_far_away(seeing, far):
+    base = np.zeros(3)
     free = [(0.1 * n, base, FREE) for n in range(3)]
     came = looks(*free, *[(0.1 * n, base, echo(3, far)) for n in (3, 4)])
-    assert brakes(seeing).limit(came, base, np.array([0.3, 0.0])).shares[0] < 1.0
+    np.testing.assert_array_equal(
+        brakes(seeing).limit(came, base, np.array([0.3, 0.8])).shares, 0.0
+    )
     stood = looks((0.0, base, echo(3, far)))
     assert brakes(seeing).limit(stood, base, np.array([0.3, 0.0])).shares[0] == 1.0
 
@@ -197,7 +205,7 @@ def test_somebody_who_walks_across_is_not_touched(seeing, percepts):
     way = ObjectPath(points=((1.4, 2.5, 0.85), (1.4, -3.0, 0.85)), speed=1.0, start=0.5)
     person = WorldObject(name="person", cylinder=(0.25, 1.7), path=way)
     goal = percepts((3.0, 0.0, 0.0)).goal
-    _, truth, contacts = driven(seeing, (person,), goal, 20.0)
+    _, truth, contacts = driven(seeing, (person,), goal, 25.0)
     assert not contacts
     assert np.hypot(*(np.array(truth.position) - goal.position)[:2]) < 0.05
 
