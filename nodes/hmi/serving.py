@@ -15,10 +15,8 @@ from nodes.hmi.hello import meshes_of
 from nodes.hmi.hub import Hub
 from nodes.hmi.listening import LOOPBACK, DoorError, Listening
 from runtime.processes.node import Context, Node
-from runtime.wire.mesh import ALL_BASES
+from runtime.wire.mesh import page_ports
 
-_FIRST = ALL_BASES.stop  # the first port that no robot has for its processes
-_SHARED = range(_FIRST + len(ALL_BASES), 32768)  # up to those that systems hand out
 _FOLDER = Path(__file__).parent / "page"
 _PERIOD = 0.05  # [s] from one state to the next
 _IDLE = 0.2  # [s] the same while nobody looks
@@ -62,7 +60,7 @@ async def _open(context: Context, hub: Hub, at: Listening) -> Address:
     elif before is not None:
         ports = [before.port]
     else:
-        ports = [own_port(context.deployment.port), *_SHARED]
+        ports = [*page_ports(context.deployment.port)]
     until = time.monotonic() + (_TAKEN if before is not None else 0.0)
     names = tuple(dict.fromkeys((*_own_names(at), *at.names)))
     while True:
@@ -102,13 +100,6 @@ async def _go_on(page: Node, context: Context, hub: Hub) -> None:
         hub.turn(began)
         page.work.add(time.monotonic() - began)
         await asyncio.sleep(_PERIOD if hub.is_watched else _IDLE)
-
-
-def own_port(base: int) -> int:
-    """Return the port of the page of the robot whose ports begin at `base`."""
-    if base not in ALL_BASES:
-        return _SHARED[base % len(_SHARED)]
-    return _FIRST + ALL_BASES.index(base)
 
 
 def _bracketed(address: str) -> str:

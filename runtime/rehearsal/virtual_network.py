@@ -2,6 +2,7 @@
 
 import ipaddress
 import os
+import socket
 import subprocess
 from collections.abc import Sequence
 from contextlib import ExitStack, suppress
@@ -13,11 +14,14 @@ import msgspec
 
 from runtime.config.chaos import LAUNCHER, WATCHER, ChaosEvent
 from runtime.config.deployment import Deployment
+from runtime.config.specs import NodeSpec
 from runtime.config.tree import ConfigError
 from runtime.errors import RunError
 from runtime.rehearsal.tun import enter_new_network
 from runtime.spawning.remote import out_of
 from runtime.spawning.tasks import environment, python
+from runtime.wire.mesh import LOOPBACK, page_ports
+from runtime.wire.topics import PAGE
 
 _NAMESPACES = ("--uts", "--pid", "--fork", "--mount-proc", "--kill-child=SIGKILL")
 _HOSTS, _OUR_ADDRESS = "10.87.0.{}", "10.87.255.254"
@@ -31,13 +35,18 @@ class VirtualNetwork(ExitStack):
     runs in one ends with its first process, which ends when its standard input closes.
 
     Attributes:
-        deployment: The deployment, with an address of its own for each host.
+        deployment: The deployment, with an address of its own for each host, and the port at which
+            this machine reaches its page.
         hosts: The first process of each host.
     """
 
     def __init__(self, deployment: Deployment) -> None:
         super().__init__()
         _check(deployment)
+        self._door = _open_door(deployment)
+        if self._door is not None:
+            self.enter_context(self._door)
+            deployment = _with_page_port(deployment, self._door.getsockname()[1])
         self.deployment = _addressed(deployment)
         self.hosts: dict[str, subprocess.Popen[bytes]] = {}
         self._impairing: list[ChaosEvent] = []
@@ -51,6 +60,8 @@ class VirtualNetwork(ExitStack):
                 host = ["unshare", *_NAMESPACES, *python("runtime.rehearsal.host", name)]
                 with out_of(run, name).open("ab") as out:  # it starts in the network just entered
                     self.hosts[name] = self._start(host, stderr=out)
+                if self._door is not None and name == self.deployment.host_of(PAGE):
+                    self._forward(self._door)
             tuns.append((enter_new_network(_OUR_ADDRESS), _OUR_ADDRESS, ""))
         except OSError as error:
             raise RunError(f"the network of the rehearsal cannot be created: {error}") from None
@@ -61,6 +72,12 @@ class VirtualNetwork(ExitStack):
         for file in files:
             os.close(file)
         self._update_switch()  # when it answers there is a network
+
+    def _forward(self, door: socket.socket) -> None:
+        """Let who comes to a socket of this machine into the network just entered, to the page."""
+        file, port = door.fileno(), door.getsockname()[1]
+        self._start(python("runtime.rehearsal.forwarder", str(file), str(port)), pass_fds=[file])
+        door.close()
 
     def _start(
         self, command: list[str], stderr: IO[bytes] | None = None, pass_fds: Sequence[int] = ()
@@ -103,6 +120,34 @@ def _check(deployment: Deployment) -> None:
         if (event.kill or event.hang) == WATCHER or event.kill == LAUNCHER:
             what = f"chaos.{index}: --rehearse cannot {event.action} the {event.target}"
             raise ConfigError(f"{what}: its hosts end with the launcher, and it has no watcher")
+
+
+def _open_door(deployment: Deployment) -> socket.socket | None:
+    """Listen on this machine for the page of a rehearsal; None if it has no page.
+
+    That has to be before this process is in another network. The port is the page's own, or the
+    next that is free, as without a rehearsal; `ConfigError` if the one that its file sets is taken.
+    """
+    page = deployment.specs.get(PAGE)
+    if not isinstance(page, NodeSpec) or "port" not in page.parameters:
+        return None  # none, or one of a class that does not say where it is
+    given = page.parameters["port"]
+    why = ""
+    for port in page_ports(deployment.port) if given is None else [given]:
+        try:
+            return socket.create_server((LOOPBACK, port))
+        except OSError as error:
+            why = f"port {port} of this machine cannot be had for the page: {error.strerror}"
+    raise ConfigError(f"{why}. Set another one: `port` of the node in the role {PAGE}")
+
+
+def _with_page_port(deployment: Deployment, port: int) -> Deployment:
+    """Return the deployment with a port for its page."""
+    nodes = tuple(
+        replace(node, parameters={**node.parameters, "port": port}) if node.role == PAGE else node
+        for node in deployment.nodes
+    )
+    return replace(deployment, nodes=nodes)
 
 
 def _addressed(deployment: Deployment) -> Deployment:

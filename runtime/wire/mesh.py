@@ -23,6 +23,22 @@ def port_base(robot: str) -> int:
     return ALL_BASES[crc32(robot.encode()) % _ROBOTS]
 
 
+_FIRST_PAGE = ALL_BASES.stop  # the first port that no robot has for its processes
+_SHARED_BY_PAGES = range(_FIRST_PAGE + len(ALL_BASES), 32768)  # up to those that systems hand out
+
+
+def page_ports(base: int) -> tuple[int, ...]:
+    """Return the ports for the page of the robot whose ports begin at `base`, its own one first.
+
+    No other page has that one if the robot's ports follow from its name.
+    """
+    if base in ALL_BASES:
+        own = _FIRST_PAGE + ALL_BASES.index(base)
+    else:
+        own = _SHARED_BY_PAGES[base % len(_SHARED_BY_PAGES)]
+    return (own, *_SHARED_BY_PAGES)
+
+
 LOOPBACK = "127.0.0.1"
 
 

@@ -5,8 +5,7 @@ import pytest
 from nodes.hmi.address import Address, find_address, keep_address, new_address
 from nodes.hmi.doorkeeper import Doorkeeper, Entry, Reply
 from nodes.hmi.listening import DoorError, check_listen
-from nodes.hmi.serving import own_port
-from runtime.wire.mesh import ALL_BASES, SLOTS
+from runtime.wire.mesh import ALL_BASES, SLOTS, page_ports
 
 ADDRESS = Address("http://127.0.0.1:8420", 8420, "operators-token", "engineers-token")
 HOST = {"host": ["127.0.0.1:8420"]}
@@ -171,7 +170,7 @@ def test_a_page_for_this_computer_needs_nothing() -> None:
 
 
 def test_each_robot_s_page_has_a_port_of_its_own_that_no_process_has() -> None:
-    ports = [own_port(base) for base in ALL_BASES]
+    ports = [page_ports(base)[0] for base in ALL_BASES]
     assert len(set(ports)) == len(ports)
     assert min(ports) >= ALL_BASES[-1] + SLOTS
-    assert max(*ports, own_port(1024), own_port(65408)) < 32768
+    assert max(*ports, *page_ports(1024), *page_ports(65408)) < 32768
