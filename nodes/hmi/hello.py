@@ -6,11 +6,14 @@ from pathlib import Path
 
 import numpy as np
 
+from nodes.hmi.protocol.outgoing import Rehearsal
 from nodes.hmi.protocol.shape import JointInfo, MovingFrame, Solid
 from nodes.hmi.protocol.values import Limits, Pose
 from plant.faults import fault_texts
 from plant.kinematics import quaternion
 from plant.robot import Array, Robot, Shape
+from runtime.chaos.partition_requests import SHORTEST, is_rehearsal, longest
+from runtime.config.deployment import Deployment
 from runtime.gate.gate import FASTEST
 
 TURN = 1.0
@@ -91,6 +94,13 @@ def meshes_of(shapes: tuple[Shape, ...]) -> dict[str, Path]:
         for number, file in enumerate(found)
         if file.is_file()
     }
+
+
+def rehearsal_of(deployment: Deployment) -> Rehearsal | None:
+    """Return what can be cut off in a rehearsal; None if this is none, or of one host alone."""
+    if not is_rehearsal() or len(deployment.hosts) < 2:
+        return None
+    return Rehearsal(tuple(deployment.hosts), SHORTEST, longest(deployment))
 
 
 def faults_of(robot: Robot) -> tuple[str, ...]:

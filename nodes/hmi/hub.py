@@ -21,6 +21,7 @@ from nodes.hmi.hello import (
     limits_of,
     meshes_of,
     pose_of,
+    rehearsal_of,
     shapes_of,
 )
 from nodes.hmi.places import SavedPlaces, places_file
@@ -265,4 +266,5 @@ class Hub:
             faults_of(robot),
             of.roles,
             tuple(self._record.lines),
+            rehearsal_of(of),
         )

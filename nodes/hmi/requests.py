@@ -17,6 +17,7 @@ from nodes.hmi.protocol.incoming import (
     Forget,
     Go,
     InjectFault,
+    Partition,
     Release,
     Request,
     Save,
@@ -148,6 +149,10 @@ class Requests:
                 self._must_be_engineer(viewer)
                 await self._in_thread(inject, self._context.run, fault)
                 self._note("fault.done", fault=fault)
+            case Partition(host=host, seconds=seconds):
+                self._must_be_engineer(viewer)
+                await self._in_thread(self._link.cut_off, host, seconds)
+                self._note("partition.done", host=host, s=seconds)
 
     async def _choose(self, mode: str) -> None:
         """Choose a mode; what moves ends before, and agents that are let loose rest at first."""

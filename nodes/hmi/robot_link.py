@@ -161,3 +161,7 @@ class RobotLink:
     def choose(self, mode: str, limit: float | None = None) -> None:
         """Choose the mode, and perhaps a limit of speed [m/s]; `RunError` if that is refused."""
         self._answered = self._control.mode(mode, limit, _CHANGES).state
+
+    def cut_off(self, host: str, seconds: float) -> None:
+        """Have a host cut off from all others for so long [s]; `RunError` if that is refused."""
+        self._control.partition([host], seconds)

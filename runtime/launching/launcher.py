@@ -10,6 +10,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from runtime.chaos.injector import ANSWER, FaultInjector, Network, check_means
+from runtime.chaos.partition_requests import PartitionRequests
 from runtime.chaos.schedule import Schedule
 from runtime.chaos.successor import start_successor
 from runtime.config.chaos import ChaosEvent
@@ -25,7 +26,7 @@ from runtime.watching.watcher import View, Watcher
 from runtime.wire.bus import Bus
 from runtime.wire.refusals import Refusals
 from runtime.wire.security import OPERATOR
-from runtime.wire.topics import PLANT
+from runtime.wire.topics import PARTITION, PLANT
 from runtime.wire.zenoh_internals.connection_log import ConnectionLog
 from runtime.wire.zenoh_internals.features import Internal, uses
 
@@ -74,6 +75,7 @@ class Launcher:
         self._shutdown = Shutdown()
         self._processes = LocalProcesses(run) if processes is None else processes
         self._journal = Journal(deployment, run, "launcher", self._roles)
+        self._requests = PartitionRequests(deployment, possible=network is not None)
         self._view = View()
         self._page = ""
 
@@ -98,6 +100,7 @@ class Launcher:
                 cleanup.enter_context(refusals)
             place, credentials = of.mesh.visitor(), of.credentials(OPERATOR)
             bus = cleanup.enter_context(Bus(of.robot, "launcher", place, 0, credentials))
+            bus.answer(PARTITION, self._requests.take)
             self._watcher = Watcher(bus)
             self._control = Control(bus, self._processes, ANSWER)
             if self._shows:
@@ -123,7 +126,8 @@ class Launcher:
             journal.look(view)
             for one in self._processes.ended():
                 journal.check_end(one)
-            for due in schedule.due(view.t):
+            asked = self._requests.due(view.t, time.monotonic())
+            for due in (*schedule.due(view.t), *asked):
                 journal.starting.discard(due.event.role or "")
                 injector.carry_out(due)
             now = time.monotonic()

@@ -1,10 +1,12 @@
 """A virtual host: the first process of its namespaces; all others end with it."""
 
+import os
 import socket
 import sys
 
 from setproctitle import setproctitle
 
+from runtime.chaos.partition_requests import REHEARSAL
 from runtime.spawning.host_server import serve
 
 
@@ -13,6 +15,7 @@ def main() -> int:
     name = sys.argv[1]
     setproctitle(f"msma share {name}, a rehearsal's host")
     socket.sethostname(name)
+    os.environ[REHEARSAL] = "1"  # of all processes here
     return serve(stays=False)
 
 

@@ -1,6 +1,7 @@
 """What can be asked of the processes of a run and done to them, by verbs, chaos and others."""
 
 import time
+from collections.abc import Iterable
 from typing import NamedTuple
 
 from plant.faults import FaultError
@@ -84,10 +85,25 @@ class Control:
 
         `RunError` if no plant answers, `FaultError` if it has no such fault.
         """
-        answers = self._bus.ask(topics.FAULT, text.encode(), self._timeout)
-        if not answers:
-            raise RunError("no plant answers")
-        said = answers[0].data.decode(errors="replace")
-        if not answers[0].agreed:
+        agreed, said = self._ask_one(topics.FAULT, text, "plant")
+        if not agreed:
             raise FaultError(said)
         return said
+
+    def partition(self, hosts: Iterable[str], seconds: float) -> str:
+        """Ask the launcher of a rehearsal to cut hosts off from the others for so long [s].
+
+        Returns its answer; `RunError` if it refuses that, or none answers.
+        """
+        request = f"{','.join(hosts)} {seconds!r}"
+        agreed, said = self._ask_one(topics.PARTITION, request, "launcher")
+        if not agreed:
+            raise RunError(said)
+        return said
+
+    def _ask_one(self, key: str, text: str, who: str) -> tuple[bool, str]:
+        """Return whether the one that answers agrees, and what it says."""
+        answers = self._bus.ask(key, text.encode(), self._timeout)
+        if not answers:
+            raise RunError(f"no {who} answers")
+        return answers[0].agreed, answers[0].data.decode(errors="replace")

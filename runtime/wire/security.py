@@ -83,8 +83,9 @@ def access_list(robot: str, roles: Sequence[str], contract: Contract = STANDARD)
     - all names may subscribe, see liveliness tokens, and query diagnostics;
     - a role may publish its own topics by the wire contract, declare its own liveliness token,
       and answer queries to itself;
-    - operators may query anything below `ctl`, and publish the goal;
-    - the page may publish the goal, and release the robot and choose its mode;
+    - operators may query anything below `ctl`, publish the goal, and answer as the launcher;
+    - the page may publish the goal, release the robot and choose its mode, and ask the launcher for
+      a partition: it alone is connected to the launcher, and only that of a rehearsal agrees;
     - everybody may halt it.
 
     A rule covers a message if its keys include all of the message's, so a wildcard that reaches
@@ -97,12 +98,13 @@ def access_list(robot: str, roles: Sequence[str], contract: Contract = STANDARD)
         (everybody, "ingress", ["query"], [topics.EVERY_DIAG]),
         ([OPERATOR], "ingress", ["query"], [topics.EVERY_CONTROL]),
         ([OPERATOR], "ingress", ["put"], [topics.GOAL]),
+        ([OPERATOR], "ingress", ["declare_queryable", "reply"], [topics.PARTITION]),
         (everybody, "ingress", ["query"], [topics.HALT]),
     ]
     if topics.PAGE in roles:
         allowed += [
             ([topics.PAGE], "ingress", ["put"], [topics.GOAL]),
-            ([topics.PAGE], "ingress", ["query"], [topics.RELEASE, topics.MODE]),
+            ([topics.PAGE], "ingress", ["query"], [topics.RELEASE, topics.MODE, topics.PARTITION]),
         ]
     for role in roles:
         answers = [f"ctl/{role}/*", topics.diag(role)]

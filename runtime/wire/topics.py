@@ -155,6 +155,7 @@ STANDARD = Contract()
 
 FAULT = "ctl/plant/fault"
 HALT, RELEASE, MODE = "ctl/plant/halt", "ctl/plant/release", "ctl/plant/mode"
+PARTITION = "ctl/launcher/partition"
 EVERYBODY_ALIVE = "alive/**"
 EVERY_CONTROL = "ctl/**"
 

@@ -27,6 +27,7 @@ link.on("hello", (message) => {
   find("engineer-only").hidden = hello.role === "engineer";
   find("faults").replaceChildren(...hello.faults.map((fault) => new Option(fault, fault)));
   chosen ??= hello.processes[0] ?? null;
+  offerPartition(hello.rehearsal);
   happened = [...hello.happened];
   record();
   show();
@@ -57,6 +58,8 @@ function show() {
   const refused = Object.entries(table.refused).map(([why, count]) => `${why} ${count}`);
   const list = refused.join(", ") || word("processes.nothing");
   put(find("page-refused"), word("processes.page", { list }));
+  const limit = hello?.rehearsal?.longest ?? 0;
+  put(find("partition-text"), word("partition.text", { s: number(limit, 1) }));
 }
 
 function row({ role }) {
@@ -111,6 +114,28 @@ find("fault-form").onsubmit = (event) => {
   event.preventDefault();
   bar.ask({ type: "fault", fault: find("fault").value.trim() });
 };
+
+// Partitions, in a rehearsal
+
+const host = find("partition-host");
+const seconds = find("partition-seconds");
+
+function offerPartition(rehearsal) {
+  find("partition").hidden = rehearsal === null;
+  if (rehearsal === null) return;
+  const before = host.value; // of a connection that was lost
+  host.replaceChildren(...rehearsal.hosts.map((name) => new Option(name)));
+  if (rehearsal.hosts.includes(before)) host.value = before;
+  [seconds.min, seconds.max] = [rehearsal.shortest, rehearsal.longest];
+}
+
+find("partition-form").onsubmit = (event) => {
+  event.preventDefault();
+  const cut = { host: host.value, seconds: seconds.valueAsNumber };
+  const said = { host: cut.host, s: cut.seconds };
+  bar.ask({ type: "partition", ...cut }, () => bar.say("partition.done", said));
+};
+
 // Plots
 
 link.on("state", ({ number: n, t, q, error }) => {

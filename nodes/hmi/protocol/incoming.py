@@ -176,6 +176,20 @@ class InjectFault(FromBrowser, frozen=True, tag="fault"):
     fault: Annotated[str, Meta(min_length=1, max_length=200, pattern=r"^[ -~]+$")]
 
 
-Request = SetMode | SetLimit | Release | SetGoal | Go | Save | Forget | Task | Act | InjectFault
+class Partition(FromBrowser, frozen=True, tag="partition"):
+    """Engineer only, and in a rehearsal: cut a host off from all others; answered by `done`.
+
+    Attributes:
+        host: One of `Rehearsal.hosts`.
+        seconds: How long until the launcher connects it again [s].
+    """
+
+    id: Id
+    host: Name
+    seconds: Number
+
+
+_OfEngineer = Act | InjectFault | Partition
+Request = SetMode | SetLimit | Release | SetGoal | Go | Save | Forget | Task | _OfEngineer
 """What is answered by `done` with the same `id`."""
 Incoming = Painted | Jog | LetGo | Halt | Takeover | Yield | Request

@@ -17,6 +17,20 @@ class Happening(Struct, frozen=True):
     params: Mapping[str, str | float | int] = {}
 
 
+class Rehearsal(Struct, frozen=True):
+    """What can be cut off in a rehearsal of several hosts.
+
+    Attributes:
+        hosts: Their names.
+        shortest: The shortest partition [s].
+        longest: The longest [s].
+    """
+
+    hosts: tuple[str, ...]
+    shortest: float
+    longest: float
+
+
 class Hello(Struct, frozen=True, tag="hello"):
     """The first message on a new socket: all that does not change.
 
@@ -33,6 +47,7 @@ class Hello(Struct, frozen=True, tag="hello"):
         faults: Texts of faults that the robot's plant has, for the engineer to choose from.
         processes: The roles of all processes.
         happened: What happened before.
+        rehearsal: What `partition` can cut off; None unless this is a rehearsal.
     """
 
     version: int
@@ -53,6 +68,7 @@ class Hello(Struct, frozen=True, tag="hello"):
     faults: tuple[str, ...]
     processes: tuple[str, ...]
     happened: tuple[Happening, ...]
+    rehearsal: Rehearsal | None
 
 
 class Gate(Struct, frozen=True):

@@ -39,6 +39,7 @@ KEYS = {
     "process.silent": "role",
     "act.done": "what role",
     "fault.done": "fault",
+    "partition.done": "host s",
     "task.started": "task",
     "goal.set": "",
 }

@@ -4,6 +4,7 @@ import random
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -212,6 +213,29 @@ def test_everybody_may_halt_and_the_page_and_operators_may_end_that(
                 bus.ask(key, name.encode(), timeout=1.0)
         wait_for(lambda: asked_by[topics.HALT] == set(NAMES), "all to be heard")
     assert asked_by[topics.RELEASE] == asked_by[topics.MODE] == {"hmi", OPERATOR}
+
+
+def test_the_page_may_ask_the_launcher_for_a_partition_and_nobody_else_answers(
+    members: dict[str, Bus],
+) -> None:
+    asked_by: set[str] = set()
+
+    def on_query(query: zenoh.Query, name: str) -> None:
+        assert query.payload is not None
+        if name == OPERATOR:
+            asked_by.add(query.payload.to_string())
+        query.reply(topics.PARTITION, name)
+
+    with ExitStack() as stack:
+        for name, bus in members.items():
+            reply = partial(on_query, name=name)
+            stack.enter_context(bus._session.declare_queryable(topics.PARTITION, reply))
+        page = members["hmi"]
+        wait_for(lambda: OPERATOR in asked(page, topics.PARTITION, b"hmi"), "an answer")
+        for name, bus in members.items():
+            others = asked(bus, topics.PARTITION, name.encode()) - {name}  # itself it may answer
+            assert others == ({OPERATOR} if name == "hmi" else set()), name
+    assert asked_by <= {"hmi", OPERATOR}
 
 
 def test_all_but_strangers_may_ask_how_others_are(plant: Bus, members: dict[str, Bus]) -> None:

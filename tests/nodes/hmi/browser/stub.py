@@ -68,6 +68,7 @@ def hello(**more: Any) -> Json:
         "faults": ["joint/1:locked", "joint/2:locked"],
         "processes": ["plant", "joint/1", "joint/2", "platform"],
         "happened": [{"t": 1.0, "key": "process.came", "params": {"role": "plant"}}],
+        "rehearsal": {"hosts": ["robot", "arm", "base"], "shortest": 0.1, "longest": 8.0},
         **more,
     }
 
@@ -83,6 +84,8 @@ class Stub:
         answers: Whether the robot answers; if not, no STOP is confirmed.
         silent: Whether nothing at all is sent.
         things: What stands around the robot.
+        refusal: The key of the words and the parameters by which requests are refused; no key if
+            they are carried out.
     """
 
     def __init__(self) -> None:
@@ -106,6 +109,7 @@ class Stub:
         self.answers = True
         self.silent = False
         self.things: list[Json] = []
+        self.refusal: tuple[str, Json] = ("", {})
         self._hand = [0.7, 0.0, 0.6]
         self._jog: tuple[Json, float] | None = None
         self._pressed = 0
@@ -203,7 +207,8 @@ class Stub:
                 self.mode, self._jog = message["mode"], None
             if kind == "release":
                 self.halted = False
-            yield {"type": "done", "id": message["id"], "ok": True, "key": "", "params": {}}
+            key, params = self.refusal
+            yield {"type": "done", "id": message["id"], "ok": not key, "key": key, "params": params}
 
     async def _states(self, server: Server) -> None:
         while True:

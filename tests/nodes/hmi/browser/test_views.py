@@ -186,6 +186,31 @@ def test_the_engineer_acts_on_processes_faults_and_the_network(browser: Any, stu
         page.locator("#record li").nth(1).wait_for()
 
 
+def test_the_engineer_cuts_a_host_off_in_a_rehearsal(browser: Any, stub: Stub) -> None:
+    with tab(browser, f"{stub.address}engineer.html") as page:
+        page.get_by_role("combobox", name="Host").select_option("arm")
+        seconds = page.get_by_label("Seconds")
+        for wrong in ("-1", "8.1", ""):  # which the browser itself says
+            seconds.fill(wrong)
+            page.get_by_role("button", name="Cut off").click()
+            page.locator("#partition-seconds:invalid").wait_for()
+        seconds.fill("2.5")
+        page.keyboard.press("Enter")
+        page.get_by_role("status").get_by_text("arm is cut off for 2.5 s.").wait_for()
+        (sent,) = stub.of("partition")
+        assert (sent["host"], sent["seconds"]) == ("arm", 2.5)
+        stub.refusal = "refused.robot", {"why": "it is no rehearsal"}
+        page.get_by_role("button", name="Cut off").press("Enter")
+        page.get_by_role("status").get_by_text("refused: it is no rehearsal").wait_for()
+
+
+def test_without_a_rehearsal_there_is_no_host_to_cut_off(browser: Any, stub: Stub) -> None:
+    stub.hello["rehearsal"] = None
+    with tab(browser, f"{stub.address}engineer.html") as page:
+        page.get_by_text("plant started.").wait_for()
+        assert page.get_by_role("button", name="Cut off").count() == 0
+
+
 def test_the_engineers_view_says_that_it_needs_its_own_address(browser: Any, stub: Stub) -> None:
     stub.hello["role"] = "operator"
     with tab(browser, f"{stub.address}engineer.html") as page:
