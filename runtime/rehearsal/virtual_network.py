@@ -43,11 +43,11 @@ class VirtualNetwork(ExitStack):
     def __init__(self, deployment: Deployment) -> None:
         super().__init__()
         _check(deployment)
+        self.deployment = _addressed(deployment)
         self._door = _open_door(deployment)
         if self._door is not None:
             self.enter_context(self._door)
-            deployment = _with_page_port(deployment, self._door.getsockname()[1])
-        self.deployment = _addressed(deployment)
+            self.deployment = _with_page_port(self.deployment, self._door.getsockname()[1])
         self.hosts: dict[str, subprocess.Popen[bytes]] = {}
         self._impairing: list[ChaosEvent] = []
 

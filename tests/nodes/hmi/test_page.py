@@ -142,6 +142,9 @@ def test_a_place_is_saved_left_and_come_back_to_and_an_engineer_breaks_things(
         wait_for(lambda: web_robot.log("plant", "fault"), "the fault")
         bad = engineer.ask("fault", fault="joint/9:locked")
         assert "joint/9" in bad["params"]["why"]
+        assert engineer.last["hello"]["rehearsal"] is None
+        bad = engineer.ask("partition", host="local", seconds=2.0)
+        assert "is no rehearsal" in bad["params"]["why"]
         rows = engineer.last["processes"]["rows"]
         assert {one["role"] for one in rows} == set(engineer.last["hello"]["processes"])
 

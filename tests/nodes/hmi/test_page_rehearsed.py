@@ -1,0 +1,82 @@
+"""The page of a rehearsal: reached from this machine, it has hosts cut off, also its own."""
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+from urllib.request import urlopen
+
+import pytest
+
+from nodes.hmi.address import Address
+from tests.nodes.hmi.client import Browser, Message
+from tests.nodes.hmi.conftest import WebRobot
+from tests.runtime.conftest import wait_for
+
+pytestmark = [
+    pytest.mark.skipif(os.geteuid() != 0, reason="namespaces take root: run the tests as root"),
+    pytest.mark.skipif(not Path("/dev/net/tun").exists(), reason="needs /dev/net/tun"),
+]
+CUT = 2.0  # [s]
+PAGE = "nodes=[{role: hmi, class: nodes.hmi.page:Page, host: base}]"
+
+
+@pytest.fixture
+def address(web_robot: WebRobot) -> Address:
+    """Rehearse a robot on three hosts, with its page on that of the platform."""
+    options = ("--rehearse", "--set", PAGE, "--set", "start.mode=automatic")
+    web_robot.launch(*options, "--duration", "10min", file="arph-hosts.yaml")
+    wait_for(lambda: list(web_robot.folder.glob("runs/*/page.json")), "the page")
+    return web_robot.address
+
+
+def all_run(message: Message) -> bool:
+    return all(row["state"] == "runs" for row in message["rows"])
+
+
+def partitions(robot: WebRobot) -> list[tuple[str, bool]]:
+    """Return the hosts of the partitions that have begun, and of those that are over (True)."""
+    return [(one["target"], one["over"]) for one in robot.log("launcher", "chaos")]
+
+
+def obeys_joint_1(robot: WebRobot) -> bool:
+    age: list[float | None] = robot.log("plant", "tick")[-1]["age"]
+    return bool(age) and age[0] is not None
+
+
+def test_an_engineer_cuts_hosts_off_which_come_back(web_robot: WebRobot, address: Address) -> None:
+    with urlopen(address.page) as answer:
+        assert answer.status == 200
+    with Browser(address) as operator:
+        refused = operator.ask("partition", host="arm", seconds=CUT)
+        assert (refused["ok"], refused["key"]) == (False, "refused.role")
+    with Browser(address, address.engineer) as browser:
+        hosts = ["robot", "arm", "base"]
+        assert browser.last["hello"]["rehearsal"]["hosts"] == hosts
+        for host, seconds, why in (
+            ("leg", CUT, "valid are robot, arm, base"),
+            ("arm", -1, "0.1 to 8 s, not -1.0"),
+        ):
+            refused = browser.ask("partition", host=host, seconds=seconds)
+            assert refused["key"] == "refused.robot"
+            assert why in refused["params"]["why"]
+        browser.wait("processes", all_run)
+        assert partitions(web_robot) == []
+
+        assert browser.ask("partition", host="arm", seconds=CUT)["ok"]
+        browser.wait("happened", happening("partition.done", "host", "arm"))
+        wait_for(lambda: not obeys_joint_1(web_robot), "its agents to be cut off")
+        browser.wait("happened", happening("process.gone", "role", "joint/1"))
+        browser.wait("happened", happening("process.came", "role", "joint/1"))
+        wait_for(lambda: obeys_joint_1(web_robot), "its agents to be obeyed again")
+        wait_for(lambda: partitions(web_robot) == [("arm", False), ("arm", True)], "the record")
+
+        assert browser.ask("partition", host="base", seconds=CUT)["ok"]  # where the page itself is
+        browser.wait_state(lambda state: state["age"] > 0.5, "the page to be cut off")
+        browser.wait_state(lambda state: state["age"] < 0.5, "the page to be back")
+        both = [("base", False), ("base", True)]
+        wait_for(lambda: partitions(web_robot)[2:] == both, "the record")
+
+
+def happening(key: str, param: str, value: str) -> Callable[[Message], bool]:
+    """Return what tells whether a message is of a happening, by one of its parameters."""
+    return lambda one: one["what"]["key"] == key and one["what"]["params"].get(param) == value
