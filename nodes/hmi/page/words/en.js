@@ -255,7 +255,7 @@ export default {
   "partition.host": "Host",
   "partition.seconds": "Seconds",
   "partition.cut": "Cut off",
-  "partition.text": "Cut off, a host reaches no other. After the given time, {s} s at most, it does again.",
+  "partition.text": "For that time, {s} s at most, the host reaches no other.",
   "plots.title": "The last minute",
   "plots.error": "Error of the hand (mm)",
   "plots.joints": "Joint positions (deg or mm)",

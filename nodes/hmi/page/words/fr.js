@@ -255,7 +255,7 @@ export default {
   "partition.host": "Machine",
   "partition.seconds": "Secondes",
   "partition.cut": "Isoler",
-  "partition.text": "Isolée, une machine n’en joint aucune autre. Après le temps donné, {s} s au plus, elle les joint de nouveau.",
+  "partition.text": "Pendant ce temps, {s} s au plus, la machine n’en joint aucune autre.",
   "plots.title": "La dernière minute",
   "plots.error": "Erreur de la main (mm)",
   "plots.joints": "Positions des articulations (deg ou mm)",
