@@ -91,6 +91,9 @@ class Step:
 class Sequence(Path):
     """Poses one after the other, on straight lines; each begins when the one before is done.
 
+    That is as soon as the hand is near enough to it, and from where the goal is then: a goal that
+    stood at each corner for the time of a message let the platform drive on past it.
+
     It remembers nothing that could be lost: the goal in force, which the plant says again, shows
     which step it is at, also if another process has led there. So it goes on there when its process
     is killed and started again, and a standby knows what to go on with. A hand
@@ -134,9 +137,9 @@ class Sequence(Path):
             self._begin(self._taking(), _standing(percepts), t)
         elif hand is not None and dist(hand, self.piece(t).at(t)) > _LOST:
             self._begin(self._index, _standing(percepts), t)
-        step, following = self._steps[self._index], self._index + 1
-        if following < len(self._steps) and percepts.t >= self.end and step.is_done(percepts):
-            self._begin(following, step.goal(), percepts.t)
+        following = self._index + 1
+        if following < len(self._steps) and self._steps[self._index].is_done(percepts):
+            self._begin(following, _standing_at(self.piece(t), t), t)
         return True
 
     def piece(self, t: float) -> Goal:
@@ -198,6 +201,13 @@ def _standing(percepts: Percepts) -> Goal:
     """Return the goal that stands where the hand is seen."""
     assert percepts.hand is not None, "only called where it is"
     return Goal(percepts.hand, np.zeros(3), 0.0, 0.0, percepts.orientation)
+
+
+def _standing_at(goal: Goal, t: float) -> Goal:
+    """Return the goal that stands where a goal is at plant time `t` [s]."""
+    aim = aim_at(ONE, goal, t)
+    turn = None if aim.turn is None else np.array([*aim.turn[1:], aim.turn[0]])
+    return Goal(goal.at(t), np.zeros(3), 0.0, 0.0, turn)
 
 
 def _leads_to(goal: Goal, step: Step) -> bool:

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from agents.agent import Goal, Percepts
+from agents.markers import aim_at
+from agents.number import ONE
 from agents.paths import PathError
 from agents.tasks import Sequence, Step
 
@@ -61,7 +63,6 @@ def test_it_waits_for_a_goal_that_may_be_in_force_and_then_leads_from_the_hand()
 def test_the_next_step_begins_when_hand_and_gripper_are_as_they_should_be() -> None:
     task = started((0.4, 0.0, 0.8))
     for not_yet in (
-        seen(1.5, HERE),  # the goal is not there yet
         seen(3.0, (0.5, 0.02, 0.8)),  # the hand is not
         seen(3.0, HERE, SHUT),  # the gripper is not
         seen(3.0, HERE, None),  # nobody says how it is
@@ -73,6 +74,24 @@ def test_the_next_step_begins_when_hand_and_gripper_are_as_they_should_be() -> N
     task.observe(seen(3.0, HERE))
     assert end_of(task) == pytest.approx(THERE)
     assert task.piece(3.0).since == 3.0
+
+
+def test_the_goal_goes_on_without_a_stop_once_the_hand_is_near_enough() -> None:
+    near = Step(position=HERE, rpy=(0.0, 0.0, 1.0), turned=2.0, grip=0.1, tolerance=0.05)
+    task = Sequence(steps=(near, STEPS[1]), speed=0.1)
+    while not task.observe(seen(1.0, (0.4, 0.0, 0.8))):
+        pass
+    before, t = task.piece(1.0), 1.6
+    task.observe(seen(t, (0.46, 0.0, 0.8)))  # 4 cm before the place, as the goal is
+    goal = task.piece(t)
+    assert end_of(task) == pytest.approx(THERE)
+    assert before.moves(t)
+    assert goal.moves(t)
+    assert goal.at(t) == pytest.approx(before.at(t))
+    turn, was = aim_at(ONE, goal, t).turn, aim_at(ONE, before, t).turn
+    assert was is not None
+    assert turn == pytest.approx(was)
+    assert was[3] > 0.1, "it has turned meanwhile"
 
 
 def test_fingers_that_hold_something_are_as_closed_as_they_can_be() -> None:
@@ -98,10 +117,9 @@ def test_a_turn_without_a_way_takes_its_time() -> None:
     task = Sequence(steps=steps, turning=0.25)
     while not task.observe(seen(1.0, HERE)):
         pass
-    task.observe(seen(2.0, HERE))
-    goal = task.piece(2.0)
-    assert goal.since == 2.0
-    assert goal.until == pytest.approx(6.0)
+    goal = task.piece(1.0)
+    assert goal.since == 1.0
+    assert goal.until == pytest.approx(5.0)
     assert goal.angular_velocity == pytest.approx([0.0, 0.0, 0.25])
 
 
