@@ -5,6 +5,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from functools import partial
+from itertools import count
 from pathlib import Path
 
 import pytest
@@ -101,36 +102,46 @@ def members(house: House, plant: Bus) -> dict[str, Bus]:
     return members
 
 
-def arrivals(plant: Bus, members: dict[str, Bus], send: Callable[[str, Bus], None]) -> set[str]:
+_CALLS = count()
+
+Send = Callable[[str, Bus, str], None]
+"""Sends a text from who has that name, on its bus."""
+
+
+def arrivals(plant: Bus, members: dict[str, Bus], send: Send) -> set[str]:
     """Return what arrived at the plant as `KEY by NAME`, of what was sent by `send` over and over.
 
-    That goes on until everybody's word has come through several times after it.
+    That goes on until everybody's word has come through several times after it. What a call before
+    had sent, and comes late, does not count.
     """
-    got: set[str] = set()
+    call = next(_CALLS)
+    texts = {name: f"{name} in call {call}" for name in members}
+    senders = {text: name for name, text in texts.items()}
+    got: set[tuple[str, str]] = set()
     with plant._session.declare_subscriber(
-        "**", lambda sample: got.add(f"{sample.key_expr} by {sample.payload.to_string()}")
+        "**", lambda sample: got.add((str(sample.key_expr), sample.payload.to_string()))
     ):
         for number in range(4):
-            words = {f"{min(PUTS[name])} by {name} {number}" for name in NAMES}
+            words = {(min(PUTS[name]), f"{texts[name]}, {number}") for name in NAMES}
 
-            def all_heard(number: int = number, words: set[str] = words) -> bool:
+            def all_heard(number: int = number, words: set[tuple[str, str]] = words) -> bool:
                 for name, bus in members.items():
-                    send(name, bus)
+                    send(name, bus, texts[name])
                     if name in PUTS:
-                        bus._session.put(min(PUTS[name]), f"{name} {number}")
+                        bus._session.put(min(PUTS[name]), f"{texts[name]}, {number}")
                 time.sleep(0.02)
                 return words <= got
 
             wait_for(all_heard, "everybody's word")
-    return {one for one in got if one.rpartition(" by ")[2] in members}
+    return {f"{key} by {senders[text]}" for key, text in got if text in senders}
 
 
 def test_each_name_may_put_on_its_own_keys_and_on_no_other(
     plant: Bus, members: dict[str, Bus]
 ) -> None:
-    def send(name: str, bus: Bus) -> None:
+    def send(_: str, bus: Bus, text: str) -> None:
         for key in CONTRACT | WILD | OTHERS:
-            bus._session.put(key, name)
+            bus._session.put(key, text)
             bus._session.delete(key)
 
     own = {f"{key} by {name}" for name, puts in PUTS.items() for key in puts}
@@ -144,9 +155,9 @@ def test_a_put_through_a_declared_publisher_is_refused_too(
 ) -> None:
     publisher = members["joint/2"]._session.declare_publisher(topics.joint_command(1))
 
-    def send(name: str, bus: Bus) -> None:
+    def send(name: str, _: Bus, text: str) -> None:
         if name == "joint/2":
-            publisher.put(name)
+            publisher.put(text)
 
     assert arrivals(plant, members, send) == set()
 
