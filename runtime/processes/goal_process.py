@@ -23,12 +23,16 @@ class GoalNode(Node):
     It is silent while the plant is not in automatic mode, or a person who drives would have it for
     a rival; its path then goes on from where it was. A plant that says nothing of its mode obeys
     agents only, unless the robot has a page.
+
+    Each piece but the last goes on beyond its end until the next one has arrived: this message and
+    its way take an interval each. A goal that stood at every corner meanwhile would be overtaken.
     """
 
     def __init__(self, process: Process, path: Path) -> None:
         deployment = process.deployment
         self.state = "waits for the plant"
         self._process, self._path = process, path
+        self._overlap = 2 * max(deployment.period, _SHORTEST * deployment.speed)
         self._ring = process.bus.ring(topics.JOINTS, depth=1)
         fresh = freshness(deployment.period, deployment.speed)
         self._plant = TopicInput(topics.JOINTS, JointStates, fresh, process.refusals)
@@ -94,5 +98,6 @@ class GoalNode(Node):
             for row in (goal.orientation, goal.angular_velocity)
         )
         turning = orientation, angular_velocity, goal.free, goal.grip
-        since, until = goal.since + paused, min(goal.until + paused, LIMIT)
+        until = goal.until + (self._overlap if goal.until < self._path.end else 0.0)
+        since, until = goal.since + paused, min(until + paused, LIMIT)
         self._out.send(GoalMessage(t, position, velocity, since, until, *turning))

@@ -201,8 +201,9 @@ class Robot:
         wait_for(lambda: self.t >= t, f"plant time {t:g} s")
 
     def pid(self, role: str) -> int:
-        """Return the process id of the last one that was started in a role."""
-        return int(self.log(role, "start")[-1]["pid"])
+        """Return the process id of the last one started in a role, once its log says so."""
+        started = wait_for(lambda: self.log(role, "start"), f"the start of {role} in its log")
+        return int(started[-1]["pid"])
 
     def processes(self) -> dict[int, str]:
         """Return all processes that this robot's launchers and tools have left running."""

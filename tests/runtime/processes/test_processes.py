@@ -242,6 +242,24 @@ def test_the_arm_follows_its_goal_when_the_goal_source_is_killed(processes: Proc
         )
 
 
+def test_no_goal_stands_at_a_corner_before_the_next_piece_has_arrived(
+    processes: ProcessGroup,
+) -> None:
+    square = "[[0 m, 0 m, 1 m], [1 m, 0 m, 1 m], [1 m, 1 m, 1 m], [0 m, 1 m, 1 m]]"
+    path = f"{{class: agents.paths:Waypoints, points: {square}, speed: 2 m/s}}"
+    processes.options += ["--set", f"goal={path}"]
+    processes.start("plant", "goal", "joint/1")
+    ring = processes.visit().ring(topics.GOAL)
+    pieces: dict[float, GoalMessage] = {}
+    while len(pieces) < 3:
+        goal = unpack(GoalMessage, ring.recv().data)
+        pieces[goal.since] = goal
+    before, corner, last = pieces.values()
+    for former, latter in ((before, corner), (corner, last)):
+        assert former.until >= latter.since + 2 * 0.02 - 1e-9  # a message each period, and its way
+    assert last.until == pytest.approx(last.since + 0.5)
+
+
 def test_a_fault_is_confirmed_and_breaks_the_joint(processes: ProcessGroup) -> None:
     processes.start("plant", "goal", "joint/1")
     bus = processes.visit()
