@@ -32,12 +32,6 @@ YIELDS = 0.1
 Trade-off: with twice as much hands of broken robots stand more often, with half of it those of
 sound ones tilt more.
 """
-STATED = 0.6
-"""Share of its speed that a goal that waits is said to have, if the hand is on its line.
-
-Trade-off: with half of it, hands of stretched arms stand for minutes before the platform turns;
-with all of it, hands of broken robots are further beside their line.
-"""
 WAITS = 1e-3
 """Share of its speed that a goal has that waits: if it stood, joints would try moves by chance."""
 
@@ -64,45 +58,33 @@ def _leashed(ahead: Array, velocity: Array) -> Array:
     return result
 
 
-def _share(ahead: float, beside: float, way: float) -> float:
-    """Return the largest share c with |(max(a + c w, 0), b)| <= `SLACK` min(1, `EASES` (1 - c)).
+def _share(off: Array, way: Array) -> float:
+    """Return the largest share c of a way with |off + c way| <= `SLACK` min(1, `EASES` (1 - c)).
 
-    It is `WAITS` where there is none from 0 to 1. A hand that is ahead of its goal is no reason to
-    wait: the goal would stop, the hand brake, and both would go by jerks.
+    It is `WAITS` where there is none from 0 to 1.
 
     Args:
-        ahead: How far a goal that stands will be ahead of the hand, a [m].
-        beside: How far the hand will be beside the goal's line, b [m].
-        way: That the goal goes at its full speed, w [m].
+        off: What a hand will be off a goal that stands [m].
+        way: That the goal goes at its full speed [m].
     """
-    share = 1.0 - beside / (EASES * SLACK)
-    if beside <= SLACK and ahead + share * way <= 0.0:
-        return share
-    share = _largest(ahead, beside, way, EASES * SLACK, EASES * SLACK)
+    share = _largest(off, way, EASES * SLACK, EASES * SLACK)
     if not share >= 1.0 - 1.0 / EASES:
-        share = _largest(ahead, beside, way, SLACK, 0.0)
+        share = _largest(off, way, SLACK, 0.0)
     return share if WAITS <= share <= 1.0 else WAITS
 
 
-def _largest(ahead: float, beside: float, way: float, most: float, less: float) -> float:
-    """Return the largest c for which |(a + c w, b)| is `most` - c `less`; NaN if there is none.
+def _largest(off: Array, way: Array, most: float, less: float) -> float:
+    """Return the largest c for which |off + c way| is `most` - c `less`; NaN if there is none.
 
-    It is the greater root of p c^2 + 2 q c + r if that is convex, and the smaller one if not.
+    It is the greater root of a c^2 + 2 b c + k if that is convex, and the smaller one if not.
     """
-    p = way**2 - less**2
-    q = ahead * way + most * less
-    r = ahead**2 + beside**2 - most**2
-    if q * q < p * r or (q <= 0.0 and p <= 0.0):
+    a = float(way @ way) - less**2
+    b = float(off @ way) + most * less
+    k = float(off @ off) - most**2
+    if b * b < a * k or (b <= 0.0 and a <= 0.0):
         return math.nan
-    root = math.sqrt(q * q - p * r)
-    return -r / (q + root) if q > 0.0 else (root - q) / p
-
-
-def _parts(vector: Array, direction: Array) -> tuple[float, float]:
-    """Return how long a vector is along a direction and beside it; all beside if there is none."""
-    length = float(np.linalg.norm(direction))
-    along = float(vector @ direction) / length if length else 0.0
-    return along, math.sqrt(max(float(vector @ vector) - along**2, 0.0))
+    root = math.sqrt(b * b - a * k)
+    return -k / (b + root) if b > 0.0 else (root - b) / a
 
 
 class LedGoal:
@@ -111,23 +93,14 @@ class LedGoal:
     So a button gives a direction and a largest speed, and a hand that cannot keep up with that, or
     only beside its line, is slow and not astray. With v the speed that is wanted, the goal moves at
     c v with the largest c for which the hand, if it goes on as it does until the lease H is over,
-    is then no further behind it or beside its line than `SLACK`, and at nearly its full speed than
-    a part of that:
+    is then no further off than `SLACK`, and at nearly its full speed than a part of that:
 
-        |(max(a + c |v| H, 0), b)| <= SLACK min(1, EASES (1 - c))
+        |e + (c v - s') H| <= SLACK min(1, EASES (1 - c))
 
-    with a, b the parts of e - s' H along v and beside it, s' the hand's velocity and e from the
-    hand to where the goal was when that was seen, `UNSEEN` ago. (It is an explicit reference
-    governor: Nicotra and Garone 2018, "The explicit reference governor".) It turns no faster than
-    by the same share, and than 1 - phi / `LEASH_TURN` with the hand off its turn by phi.
-
-    A platform that has to turn first does so for what it gains within seconds, which with a goal
-    that stands is no more than `SLACK`. So the goal is said to move at
-
-        max(c, STATED (1 - b / SLACK)) v
-
-    and is back with each message where it waits: the platform turns as far as the hand stays on its
-    line meanwhile.
+    with s' the hand's velocity and e from the hand to where the goal was when that was seen,
+    `UNSEEN` ago. (It is an explicit reference governor: Nicotra and Garone 2018, "The explicit
+    reference governor".) It turns no faster than by the same share, and than
+    1 - phi / `LEASH_TURN` with the hand off its turn by phi.
 
     A robot with broken joints cannot always go on and keep its hand turned as it was. It is to go
     where it was sent first: phi fades in the time `YIELDS` / ((|e| / SLACK)^2 (1 - c)^4): where the
@@ -166,13 +139,9 @@ class LedGoal:
         off = off * math.exp(-(missed**2) * (1.0 - self._share) ** 4 * passed / YIELDS)
         orientation = product(rotation_by(off), hand.orientation)
         self._goal = Hand(hand.position + ahead, orientation / np.linalg.norm(orientation))
-        along, beside = _parts(late - self._going * self._lease, motion.linear)
-        way = float(np.linalg.norm(motion.linear)) * self._lease
-        self._share = share = _share(along, beside, way)
+        self._share = share = _share(late - self._going * self._lease, motion.linear * self._lease)
         turning = min(share, max(1.0 - float(np.linalg.norm(off)) / LEASH_TURN, WAITS))
-        self._motion = Motion(share * motion.linear, turning * motion.angular)
-        stated = max(share, STATED * (1.0 - beside / SLACK))
-        motion = self._motion._replace(linear=stated * motion.linear)
+        self._motion = motion = Motion(share * motion.linear, turning * motion.angular)
         lasts = min(self._lease, self._left(motion))
         if lasts <= 0.0:
             motion = Motion(np.zeros(3), np.zeros(3))
