@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from runtime.config.deployment import Deployment  # most of what a tool imports, if it does
 
 _ANSWER = 1.0  # [s]
-_NONE_CONNECTS = 3.0  # [s] until none of those that listen is expected to accept a tool any more
+_NONE_CONNECTS = 10.0  # [s] until none of those that listen is expected to accept a tool any more
 _FEW_CONNECT = 1.0  # [s] the same for the others, once one has
 _CHECKING = 0.1  # [s] for all others to check a certificate, once one has
 _BY_FILE = "if another user or host has started it, give its file: --file FILE"

@@ -205,7 +205,7 @@ def test_a_halt_holds_whatever_is_pressed_or_revived(driven: Driven) -> None:
     driven.tool("kill", "joint/2")
     driven.tool("revive", "joint/2")
     assert driven.is_still_from(t)
-    assert "halted by" in driven.tool("status").splitlines()[0]
+    wait_for(lambda: "halted by" in driven.tool("status").splitlines()[0], "status to say so")
     driven.tool("release")
     assert driven.is_still_from(t)
     assert ", at rest" in driven.tool("status").splitlines()[0]
@@ -259,7 +259,7 @@ def test_a_plant_that_is_revived_starts_at_rest_and_as_halted_as_it_was(driven: 
     driven.tool("revive", "plant")
     wait_for(driven.has_begun, "the plant to go on")
     assert driven.is_still_from(0.0)
-    assert "halted by" in driven.tool("status").splitlines()[0]
+    wait_for(lambda: "halted by" in driven.tool("status").splitlines()[0], "status to say so")
 
 
 def test_a_halt_that_no_plant_confirms_is_said(driven: Driven) -> None:
