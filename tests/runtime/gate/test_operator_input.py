@@ -120,6 +120,10 @@ class Driven:
         assert said.returncode == 0, said.stderr
         return said.stdout
 
+    def says(self, text: str) -> bool:
+        """Return whether the first line of its status has a text."""
+        return text in self.tool("status").splitlines()[0]
+
     @property
     def log(self) -> RunLog:
         return read_run_log(self.robot.run_folder)
@@ -169,7 +173,7 @@ def at_rest(driven: Driven) -> None:
 
 
 def test_a_robot_with_a_page_starts_at_rest(driven: Driven) -> None:
-    assert ", at rest" in driven.tool("status").splitlines()[0]
+    wait_for(lambda: driven.says(", at rest"), "status to say so")
     assert driven.is_still_from(0.0)
 
 
@@ -205,10 +209,10 @@ def test_a_halt_holds_whatever_is_pressed_or_revived(driven: Driven) -> None:
     driven.tool("kill", "joint/2")
     driven.tool("revive", "joint/2")
     assert driven.is_still_from(t)
-    wait_for(lambda: "halted by" in driven.tool("status").splitlines()[0], "status to say so")
+    wait_for(lambda: driven.says("halted by"), "status to say so")
     driven.tool("release")
     assert driven.is_still_from(t)
-    assert ", at rest" in driven.tool("status").splitlines()[0]
+    wait_for(lambda: driven.says(", at rest"), "status to say so")
 
 
 def test_a_goal_of_another_source_moves_nothing_while_a_person_drives(driven: Driven) -> None:
@@ -259,7 +263,7 @@ def test_a_plant_that_is_revived_starts_at_rest_and_as_halted_as_it_was(driven: 
     driven.tool("revive", "plant")
     wait_for(driven.has_begun, "the plant to go on")
     assert driven.is_still_from(0.0)
-    wait_for(lambda: "halted by" in driven.tool("status").splitlines()[0], "status to say so")
+    wait_for(lambda: driven.says("halted by"), "status to say so")
 
 
 def test_a_halt_that_no_plant_confirms_is_said(driven: Driven) -> None:

@@ -248,15 +248,15 @@ def test_no_goal_stands_at_a_corner_before_the_next_piece_has_arrived(
     square = "[[0 m, 0 m, 1 m], [1 m, 0 m, 1 m], [1 m, 1 m, 1 m], [0 m, 1 m, 1 m]]"
     path = f"{{class: agents.paths:Waypoints, points: {square}, speed: 2 m/s}}"
     processes.options += ["--set", f"goal={path}"]
-    processes.start("plant", "goal", "joint/1")
+    processes.start("plant", "goal")
     ring = processes.visit().ring(topics.GOAL)
-    pieces: dict[float, GoalMessage] = {}
-    while len(pieces) < 3:
-        goal = unpack(GoalMessage, ring.recv().data)
-        pieces[goal.since] = goal
-    before, corner, last = pieces.values()
-    for former, latter in ((before, corner), (corner, last)):
-        assert former.until >= latter.since + 2 * 0.02 - 1e-9  # a message each period, and its way
+    pieces = [unpack(GoalMessage, ring.recv().data)]
+    processes.start("joint/1")  # with its first command plant time begins
+    while pieces[-1].since < 1.0:
+        pieces.append(unpack(GoalMessage, ring.recv().data))
+    *others, last = pieces
+    for piece in others:  # a message each period, and its way
+        assert piece.until >= piece.since + 0.5 + 2 * 0.02 - 1e-9
     assert last.until == pytest.approx(last.since + 0.5)
 
 
