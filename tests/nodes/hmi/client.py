@@ -82,7 +82,8 @@ class Browser:
 
     @property
     def hand(self) -> list[float]:
-        hand: list[float] = self.state["hand"]["position"]
+        """Where the hand is [m], once the page sees it: of a plant that is late it does not."""
+        hand: list[float] = self.wait_state(lambda one: one["hand"], "the hand")["hand"]["position"]
         return hand
 
     def send(self, kind: str, **fields: Any) -> None:
@@ -113,8 +114,8 @@ class Browser:
         return found()[-1]
 
     def wait_state(self, fits: Callable[[Message], bool], what: str) -> Message:
-        wait_for(lambda: fits(self.state), what)
-        return self.state
+        """Wait for a state that fits, and return that very one: the next may not fit any more."""
+        return wait_for(lambda: state if fits(state := self.state) else None, what)
 
     def jog(self, press: int, *speeds: float, mode: str = "shared", **fields: Any) -> None:
         self.send(

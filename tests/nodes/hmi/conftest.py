@@ -105,6 +105,6 @@ def driven(browser: Browser, *speeds: float, metres: float, **fields: object) ->
 
             wait_for(lambda: ended() or far(), "the hand to move")
             if not ended():
-                yield browser.state
+                yield browser.wait_state(lambda one: one["hand"], "the hand")
                 return
     raise AssertionError(f"no press moved the hand: {browser.all[-5:]}")
