@@ -12,10 +12,15 @@ from agents.attitude import product, rotation_by, turn_between
 from nodes.hmi.jogging import UNSEEN, GoalPiece, Hand, Motion, is_at, within
 
 SLACK = 0.012
-"""How far the hand may be off the goal [m]: at that distance the goal stands and waits for it.
+"""How far the hand may be behind the goal [m]: at that distance the goal stands and waits for it.
 
-Three fifths of the 20 mm that a hand may be beside the line of its button: it is a little further
-off while it brakes, or is braked.
+Trade-off: with half of it hands go a tenth slower, those of broken robots a third.
+"""
+BESIDE = 1.5
+"""How many times what the hand is beside its line counts, of what it is behind its goal.
+
+So the goal waits at 8 mm, two fifths of the 20 mm that a hand may be beside the line of its button.
+Trade-off: with 1 hands of broken robots are further beside their lines, with 2 all go slower.
 """
 EASES = 2.0
 """The goal goes at 1 - 1 / `EASES` of its speed or more until the hand is `SLACK` off it.
@@ -58,33 +63,45 @@ def _leashed(ahead: Array, velocity: Array) -> Array:
     return result
 
 
-def _share(off: Array, way: Array) -> float:
-    """Return the largest share c of a way with |off + c way| <= `SLACK` min(1, `EASES` (1 - c)).
+def _share(ahead: float, beside: float, way: float) -> float:
+    """Return the largest share c with |(max(a + c w, 0), b)| <= `SLACK` min(1, `EASES` (1 - c)).
 
-    It is `WAITS` where there is none from 0 to 1.
+    It is `WAITS` where there is none from 0 to 1. A hand that is ahead of its goal is no reason to
+    wait: the goal would stop, the hand brake, and both would go by jerks.
 
     Args:
-        off: What a hand will be off a goal that stands [m].
-        way: That the goal goes at its full speed [m].
+        ahead: How far a goal that stands will be ahead of the hand, a [m].
+        beside: `BESIDE` times how far the hand will be beside the goal's line, b [m].
+        way: That the goal goes at its full speed, w [m].
     """
-    share = _largest(off, way, EASES * SLACK, EASES * SLACK)
+    share = 1.0 - beside / (EASES * SLACK)
+    if beside <= SLACK and ahead + share * way <= 0.0:
+        return share
+    share = _largest(ahead, beside, way, EASES * SLACK, EASES * SLACK)
     if not share >= 1.0 - 1.0 / EASES:
-        share = _largest(off, way, SLACK, 0.0)
+        share = _largest(ahead, beside, way, SLACK, 0.0)
     return share if WAITS <= share <= 1.0 else WAITS
 
 
-def _largest(off: Array, way: Array, most: float, less: float) -> float:
-    """Return the largest c for which |off + c way| is `most` - c `less`; NaN if there is none.
+def _largest(ahead: float, beside: float, way: float, most: float, less: float) -> float:
+    """Return the largest c for which |(a + c w, b)| is `most` - c `less`; NaN if there is none.
 
-    It is the greater root of a c^2 + 2 b c + k if that is convex, and the smaller one if not.
+    It is the greater root of p c^2 + 2 q c + r if that is convex, and the smaller one if not.
     """
-    a = float(way @ way) - less**2
-    b = float(off @ way) + most * less
-    k = float(off @ off) - most**2
-    if b * b < a * k or (b <= 0.0 and a <= 0.0):
+    p = way**2 - less**2
+    q = ahead * way + most * less
+    r = ahead**2 + beside**2 - most**2
+    if q * q < p * r or (q <= 0.0 and p <= 0.0):
         return math.nan
-    root = math.sqrt(b * b - a * k)
-    return -k / (b + root) if b > 0.0 else (root - b) / a
+    root = math.sqrt(q * q - p * r)
+    return -r / (q + root) if q > 0.0 else (root - q) / p
+
+
+def _parts(vector: Array, direction: Array) -> tuple[float, float]:
+    """Return how long a vector is along a direction and beside it; all beside if there is none."""
+    length = float(np.linalg.norm(direction))
+    along = float(vector @ direction) / length if length else 0.0
+    return along, math.sqrt(max(float(vector @ vector) - along**2, 0.0))
 
 
 class LedGoal:
@@ -93,14 +110,23 @@ class LedGoal:
     So a button gives a direction and a largest speed, and a hand that cannot keep up with that, or
     only beside its line, is slow and not astray. With v the speed that is wanted, the goal moves at
     c v with the largest c for which the hand, if it goes on as it does until the lease H is over,
-    is then no further off than `SLACK`, and at nearly its full speed than a part of that:
+    is then no further behind it or beside its line than `SLACK`, and at nearly its full speed than
+    a part of that:
 
-        |e + (c v - s') H| <= SLACK min(1, EASES (1 - c))
+        |(max(a + c |v| H, 0), b)| <= SLACK min(1, EASES (1 - c))
 
-    with s' the hand's velocity and e from the hand to where the goal was when that was seen,
-    `UNSEEN` ago. (It is an explicit reference governor: Nicotra and Garone 2018, "The explicit
-    reference governor".) It turns no faster than by the same share, and than
-    1 - phi / `LEASH_TURN` with the hand off its turn by phi.
+    with a the part of e - s' H along v, b `BESIDE` times what is left of it, s' the hand's velocity
+    and e from the hand to where the goal was when that was seen, `UNSEEN` ago. (It is an explicit
+    reference governor: Nicotra and Garone 2018, "The explicit reference governor".) It turns no
+    faster than by that share, and than 1 - phi / `LEASH_TURN` with the hand off its turn by phi.
+
+    A platform that has to turn first does so for what it gains within seconds, which with a goal
+    that stands is no more than `SLACK`. So the goal is said to move at
+
+        max(c, 1 - b / SLACK) v
+
+    and is back with each message where it waits: the platform turns as far as the hand stays on its
+    line meanwhile.
 
     A robot with broken joints cannot always go on and keep its hand turned as it was. It is to go
     where it was sent first: phi fades in the time `YIELDS` / ((|e| / SLACK)^2 (1 - c)^4): where the
@@ -139,9 +165,14 @@ class LedGoal:
         off = off * math.exp(-(missed**2) * (1.0 - self._share) ** 4 * passed / YIELDS)
         orientation = product(rotation_by(off), hand.orientation)
         self._goal = Hand(hand.position + ahead, orientation / np.linalg.norm(orientation))
-        self._share = share = _share(late - self._going * self._lease, motion.linear * self._lease)
+        along, beside = _parts(late - self._going * self._lease, motion.linear)
+        beside *= BESIDE
+        way = float(np.linalg.norm(motion.linear)) * self._lease
+        self._share = share = _share(along, beside, way)
         turning = min(share, max(1.0 - float(np.linalg.norm(off)) / LEASH_TURN, WAITS))
-        self._motion = motion = Motion(share * motion.linear, turning * motion.angular)
+        self._motion = Motion(share * motion.linear, turning * motion.angular)
+        stated = max(share, 1.0 - beside / SLACK)
+        motion = self._motion._replace(linear=stated * motion.linear)
         lasts = min(self._lease, self._left(motion))
         if lasts <= 0.0:
             motion = Motion(np.zeros(3), np.zeros(3))

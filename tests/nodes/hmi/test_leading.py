@@ -7,7 +7,7 @@ from agents.agent import Array
 from agents.attitude import product, rotation_by, turn_between
 from nodes.hmi import leading
 from nodes.hmi.jogging import Hand, Motion
-from nodes.hmi.leading import EASES, LEASH, LEASH_TURN, SLACK, WAITS, LedGoal
+from nodes.hmi.leading import BESIDE, EASES, LEASH, LEASH_TURN, SLACK, WAITS, LedGoal
 
 UPRIGHT = np.array([0.0, 0.0, 0.0, 1.0])
 START = Hand(np.array([0.3, -0.1, 0.8]), UPRIGHT)
@@ -58,14 +58,23 @@ def test_the_goal_waits_for_a_hand_that_stands() -> None:
     assert 0.9 * LEASH_TURN < turn_between(UPRIGHT, turned.orientation)[2] < 1.1 * LEASH_TURN
 
 
-@pytest.mark.parametrize("off", [[0.0, 0.9 * SLACK, 0.0], [0.0, 0.0, -2 * SLACK]])
+@pytest.mark.parametrize("off", [[0.0, 0.9 * SLACK / BESIDE, 0.0], [0.0, 0.0, -2 * SLACK]])
 def test_the_goal_waits_on_its_line_for_a_hand_that_deviates_from_it(off: list[float]) -> None:
     goal, strays = LedGoal(START, 0.0, LEASE), Hand(START.position + np.array(off), UPRIGHT)
     ahead = lead(goal, FORWARD, 3.0, strays).position - START.position
     assert ahead[0] < 0.5 * SLACK
     assert ahead[1:] == pytest.approx(np.zeros(2))
-    slow = goal.advance(FORWARD, strays, 3.05).motion.linear
-    assert 0.0 < slow[0] < 0.05 * 0.15  # a goal that stood would have the joints try by chance
+    slow = goal.advance(FORWARD, strays, 3.05).motion.linear[0] / 0.15
+    beside = BESIDE * float(np.linalg.norm(off)) / SLACK
+    assert slow == pytest.approx(max(1.0 - beside, WAITS))  # not 0, or joints move by chance
+
+
+def test_a_goal_that_waits_for_a_hand_on_its_line_says_that_it_goes_on() -> None:
+    goal = LedGoal(START, 0.0, LEASE)
+    before = lead(goal, FORWARD, 5.0)
+    piece = goal.advance(FORWARD, START, 5.05)
+    assert piece.motion.linear == pytest.approx(FORWARD.linear)
+    assert piece.pose.position == pytest.approx(before.position, abs=1e-4)
 
 
 def test_the_goal_waits_before_a_hand_has_deviated_that_is_about_to() -> None:
@@ -82,23 +91,33 @@ def test_the_goal_is_no_further_than_the_leash_from_a_hand_that_was_pushed() -> 
     assert np.linalg.norm(away) == pytest.approx(LEASH)
 
 
-vectors = st.lists(st.floats(-0.04, 0.04), min_size=3, max_size=3).map(np.array)
+lengths = st.floats(0.0, 0.04)
 
 
-@given(vectors, vectors)
-@example(np.array([0.0, 0.0, SLACK]), np.zeros(3))
-def test_the_share_is_the_largest_that_leaves_the_hand_near_enough(off: Array, way: Array) -> None:
+@given(st.floats(-0.08, 0.04), lengths, lengths)
+@example(0.0, SLACK, 0.0)
+def test_the_share_is_the_largest_that_leaves_the_hand_near_enough(
+    ahead: float, beside: float, way: float
+) -> None:
+    def error(share: Array) -> Array:
+        return np.hypot(np.maximum(ahead + share * way, 0.0), beside)
+
     shares = np.linspace(0.0, 1.0, 4001)
-    errors = np.linalg.norm(off + shares[:, None] * way, axis=1)
     near = SLACK * np.minimum(1.0, EASES * (1.0 - shares))
-    fits = shares[errors <= near - 1e-9]  # on the edge rounding decides
-    found = leading._share(off, way)
+    fits = shares[error(shares) <= near - 1e-9]  # on the edge rounding decides
+    found = leading._share(ahead, beside, way)
     assert WAITS <= found <= 1.0
     if found > WAITS:
-        most = SLACK * min(1.0, EASES * (1.0 - found))
-        assert np.linalg.norm(off + found * way) <= most + 1e-9
+        assert error(np.array(found)) <= SLACK * min(1.0, EASES * (1.0 - found)) + 1e-9
     if fits.size:
         assert found >= fits.max() - 1e-9
+
+
+def test_a_hand_that_is_ahead_of_its_goal_does_not_stop_it() -> None:
+    goal = LedGoal(START, 0.0, LEASE)
+    fast = lead(goal, FORWARD, 1.0, velocity=1.5 * FORWARD.linear)
+    goal.advance(FORWARD, START._replace(position=START.position + 1.55 * FORWARD.linear), 1.05)
+    assert np.linalg.norm(goal.pose.position - fast.position) > 0.9 * 0.05 * 0.15
 
 
 def test_a_hand_that_does_not_keep_up_is_not_asked_to_turn_too() -> None:
@@ -154,9 +173,10 @@ def test_the_goal_turns_about_the_axes_of_the_frame() -> None:
 
 def test_after_a_gap_the_goal_has_gone_on_for_the_lease_only() -> None:
     goal = LedGoal(START, 0.0, LEASE)
-    speed = goal.advance(FORWARD, START, 0.0).motion.linear[0]
+    goal.advance(FORWARD, START, 0.0)
     late = goal.advance(FORWARD, START, 100.0).pose.position - START.position
-    assert late == pytest.approx((speed * LEASE, 0, 0))
+    way = 0.15 * LEASE
+    assert late == pytest.approx((leading._share(0.0, 0.0, way) * way, 0, 0))
 
 
 def test_a_bounded_step_ends_exactly_there_and_once_the_hand_is_too() -> None:
