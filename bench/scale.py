@@ -2,7 +2,7 @@
 
 import tempfile
 import time
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from statistics import median
@@ -32,6 +32,7 @@ BARRED = 32
 NEAR = 0.01
 """Largest error of a run that counts as done [m]: a hundredth of the arm's length."""
 _START_TIMEOUT = 25.0  # [s] until the plant executes the commands of all agents
+_SETTLED = 2.0  # [s] without a new connection, after which no more is expected
 _OTHERS = 2  # the plant and the goal source
 
 
@@ -124,13 +125,13 @@ def _grow(joints: int, side: str, seconds: float) -> ArmMeasurement:
                     f"after {_START_TIMEOUT:g} s only {count} of {joints} agents were active"
                 ) from None
             ready = max(line["wall"] for line in read_log(run.run, PLANT, "obeys")) - run.commanded
-            time.sleep(1.0)  # let them settle
+            _settle(run)
             meter = _meter(run)
             begun = time.time()
             time.sleep(seconds)
             ended = time.time()
             usage = meter.usage() if meter else {}
-            links = _links((run.process.pid, *meter.pids)) if meter else 0
+            links = _links(run, meter)
             time.sleep(0.6)  # the plant writes its log twice a second
             record = read_run_log(run.run)
             deployment = load(run.run / "deployment.yaml")
@@ -218,14 +219,25 @@ def _is_of(pid: int, run: Path) -> bool:
     return False
 
 
-def _links(pids: Iterable[int]) -> int:
-    """Return the number of connections from one of these processes to another.
+def _settle(run: Launched) -> None:
+    """Wait until a run's processes have made no connection for a while."""
+    until = time.monotonic() + _START_TIMEOUT
+    links, since = -1, time.monotonic()
+    while (now := time.monotonic()) < min(until, since + _SETTLED):
+        count = _links(run, _meter(run))
+        if count != links:
+            links, since = count, now
+        time.sleep(0.1)
+
+
+def _links(run: Launched, meter: Meter | None) -> int:
+    """Return the number of connections between processes of a run; 0 if they are not visible.
 
     Ports alone do not tell: another robot's are beside them, and any program's may be among them.
     """
     ends = {
         (end.laddr, end.raddr)
-        for pid in pids
+        for pid in ((run.process.pid, *meter.pids) if meter else ())
         for end in psutil.Process(pid).net_connections("tcp")
         if end.status == psutil.CONN_ESTABLISHED
     }
