@@ -141,8 +141,13 @@ def test_the_agent_and_the_node_of_ones_own_can_be_deployed(place):
     assert ours in deployment
     text = deployment.replace(ours, agents.partition("agents:\n")[2])
     (place / "mine.yaml").write_text(f"{text}\n{nodes}")
-    done = run("msma-launch mine.yaml --speed 2", place)
+    # how near the hand is at the end depends on how busy the machine is, and is not the question
+    done = run("msma-launch mine.yaml --speed 2 --set tolerance=1m", place)
     assert done.returncode == 0, done.stdout + done.stderr
+    (plant,) = place.glob("runs/*/plant.jsonl")
+    lines = map(json.loads, plant.read_text().splitlines())
+    *_, last = (line for line in lines if line["event"] == "tick")
+    assert last["q"][0] > 0.8 * 0.052 * last["t"], "the agent turns its joint by 3 deg/s"
     (log,) = place.glob("runs/*/odometer.jsonl")
     end = json.loads(log.read_text().splitlines()[-1])
     assert (end["event"], end["code"]) == ("end", 0)

@@ -12,7 +12,7 @@ world:
 
 
 def test_the_platform_goes_round_what_stands_in_its_way(robot: Robot) -> None:
-    code, said = robot.run("--speed", "3", file="arph-obstacles.yaml")
+    code, said = robot.run_in_time(3, file="arph-obstacles.yaml")
     assert code == 0, said
     assert robot.summary["evaluation"]["touched"] == []
     aside = [abs(line["base"][1]) for line in robot.log("plant", "tick")]
