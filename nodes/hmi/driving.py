@@ -3,7 +3,7 @@
 It is told of everything with the time at which that happened, and has no clock of its own.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Protocol
 
 from msgspec import Struct
@@ -32,6 +32,7 @@ from nodes.hmi.protocol.incoming import Jog
 from nodes.hmi.protocol.outgoing import Ended, Said
 from nodes.hmi.protocol.values import Limits, Pose, Times
 from nodes.hmi.seen import Seen, pose_of
+from nodes.hmi.stops import at_stops
 from plant.robot import Robot
 
 _KEPT = 256  # states whose age is known: 10 s at 25 a second
@@ -94,6 +95,7 @@ class Driving:
         self._led: LedGoal | None = None
         self._wanted_grip: WantedGrip | None = None
         self._start: Place = seen.place
+        self._explained = False  # why this press does not get on
         self._settles_until = 0.0
 
     def press_of(self, viewer: int) -> int:
@@ -170,7 +172,7 @@ class Driving:
         return jog.mode == "shared" and self.seen.hand is None
 
     def _begin(self, press: Press, now: float) -> None:
-        self._start = self.seen.place
+        self._start, self._explained = self.seen.place, False
         self._led = self._wanted_grip = None
         if press.jog.mode == "shared" and self.seen.hand is not None:
             self._led = LedGoal(self.seen.hand, now, self._times.lease, press.jog.step)
@@ -190,6 +192,8 @@ class Driving:
             share = max(map(abs, jog.speeds))
             motion = motion_to(to, led.pose, limit * share, turn * share)
         piece = led.advance(motion, hand, now)
+        if not led.gets_on:
+            self._explain(press, at_stops(self._robot, self.seen.place.q))
         grip = self._wanted_grip
         if grip is not None:
             piece = piece._replace(grip=grip.advance(jog, self.seen.gripper, now))
@@ -207,6 +211,14 @@ class Driving:
         if over:
             self._end(press, self._presses.end("step"), now)
 
+    def _explain(self, press: Press, stopped: Sequence[int]) -> None:
+        """Say once that a press does not get on, with the numbers of joints at their stops."""
+        if not self._explained:
+            self._explained = True
+            joints = ", ".join(map(str, stopped))
+            said = Said("stands.stop", {"joints": joints}) if joints else Said("stands.hand")
+            self._post(press.viewer, said)
+
     def _speeds_of(self) -> tuple[float, float]:
         """Return the largest speeds of the hand [m/s, rad/s] in force."""
         assert self.seen.operator is not None, "the press would have been refused"
@@ -216,6 +228,8 @@ class Driving:
     def _move_part(self, press: Press, speeds: PartSpeeds, painted: float, now: float) -> None:
         speeds = speeds._replace(grip=grip_speed(press.jog, self._robot.gripper))
         self._link.jog(press, painted, speeds)
+        if speeds.joints and (ended := at_stops(self._robot, self.seen.place.q, speeds.joints)):
+            self._explain(press, ended)
         grip = self._wanted_grip
         if grip is not None and not any(press.jog.speeds):
             if self._grip_is_done(press, grip, now):

@@ -39,6 +39,13 @@ sound ones tilt more.
 """
 WAITS = 1e-3
 """Share of its speed that a goal has that waits: if it stood, joints would try moves by chance."""
+LATELY = 2.0
+"""[s] over which the share of its speed that a goal has is averaged, to tell whether it gets on.
+
+Chosen: a goal that waits is said not to get on after 6 s, more than most platforms take to turn.
+"""
+HARDLY = 0.05
+"""Share of its speed below which a goal does not get on: 7.5 mm/s of 150 mm/s."""
 
 
 def _leashed(ahead: Array, velocity: Array) -> Array:
@@ -144,6 +151,7 @@ class LedGoal:
         self._last, self._lease, self._step = now, lease, step
         self._motion = Motion(np.zeros(3), np.zeros(3))
         self._share = 1.0  # c
+        self._pace = self._lately = 1.0  # the share of what moves, and that as of late
         self._moved, self._going = now, np.zeros(3)  # when the hand was seen to, how fast [s, m/s]
 
     def advance(self, motion: Motion, hand: Hand, now: float) -> GoalPiece:
@@ -155,6 +163,7 @@ class LedGoal:
         passed = min(max(now - self._last, 0.0), self._lease)
         self._watch(hand, now)
         before, self._last = self._motion, now
+        self._lately += (1.0 - math.exp(-passed / LATELY)) * (self._pace - self._lately)
         moved = min(passed, self._left(before))
         ahead = self._goal.position + before.linear * moved - hand.position
         ahead = _leashed(ahead, before.linear)
@@ -170,6 +179,7 @@ class LedGoal:
         way = float(np.linalg.norm(motion.linear)) * self._lease
         self._share = share = _share(along, beside, way)
         turning = min(share, max(1.0 - float(np.linalg.norm(off)) / LEASH_TURN, WAITS))
+        self._pace = share if motion.linear.any() else turning
         self._motion = Motion(share * motion.linear, turning * motion.angular)
         stated = max(share, 1.0 - beside / SLACK)
         motion = self._motion._replace(linear=stated * motion.linear)
@@ -190,6 +200,11 @@ class LedGoal:
     def pose(self) -> Hand:
         """Where the goal was when it was advanced last."""
         return self._goal
+
+    @property
+    def gets_on(self) -> bool:
+        """Whether the goal has not done nothing but wait for the hand, lately."""
+        return self._lately > HARDLY
 
     def arrived(self, hand: Hand) -> bool:
         """Tell whether a bounded step is over: the goal at its end, and the hand at the goal."""

@@ -9,6 +9,8 @@ KEYS = {
     "press.halted": "",
     "press.driver": "",
     "press.plant": "",
+    "stands.hand": "",
+    "stands.stop": "joints",
     "refused.driver": "driver",
     "refused.halted": "by",
     "refused.mode": "mode wanted",

@@ -1,5 +1,6 @@
 """What presses, stops and takeovers make of the robot, with a recorder in place of its bus."""
 
+from collections.abc import Iterator
 from itertools import pairwise
 from typing import Any
 
@@ -54,6 +55,7 @@ class Case:
     """Driving, what it publishes, and what it says to whom."""
 
     def __init__(self, seen: Seen = SEEN, has_gripper_agent: bool = True) -> None:
+        self.now, self.state = 1.0, 1
         self.link = Recorder()
         self.said: list[tuple[int | None, Struct]] = []
         limits, times = limits_of(ARPH), Times()
@@ -152,6 +154,48 @@ def test_in_manual_mode_a_part_moves_without_a_goal() -> None:
     assert not case.link.goals
     case.driving.let_go(1, 1, 0.2)
     assert not case.link.stood
+
+
+AT_STOPS = SEEN._replace(place=Place((0.0, np.radians(-60.0), 0.0, 0.0, 2.0944, None), (0.0,) * 3))
+
+
+def hold(case: Case, jog: Jog, seconds: float) -> Iterator[float]:
+    """Hold a button for so long on pictures that are new, and let go; yield each time."""
+    for _ in range(round(seconds / 0.05)):
+        case.now += 0.05
+        case.state += 1
+        case.driving.pictures.sent(case.state, case.now, case.now)
+        case.driving.jog(1, replace(jog, state=case.state), case.now)
+        yield case.now
+    case.driving.let_go(1, jog.press, case.now)
+
+
+@pytest.mark.parametrize(
+    ("seen", "said"),
+    [(SEEN, Said("stands.hand")), (AT_STOPS, Said("stands.stop", {"joints": "2, 5"}))],
+)
+def test_who_holds_a_button_in_vain_is_told_why_once_a_press(seen: Seen, said: Said) -> None:
+    case = Case(seen)
+    for press in (1, 2):
+        list(hold(case, replace(FORWARD, press=press), 20.0))
+    assert [one for _, one in case.said if isinstance(one, Said)].count(said) == 2
+    assert sum(key.startswith("stands") for key in case.keys(1)) == 2
+
+
+def test_a_hand_that_gets_on_needs_no_words() -> None:
+    case = Case()
+    for _ in hold(case, FORWARD, 20.0):
+        case.driving.seen = SEEN._replace(hand=case.link.goals[-1].pose)
+    assert not any(key.startswith("stands") for key in case.keys(1))
+    assert case.link.goals[-1].pose.position[0] > 1.0
+
+
+def test_a_joint_at_its_stop_is_named_if_it_is_to_go_beyond() -> None:
+    case = Case(AT_STOPS._replace(operator=replace(SHARED, mode="manual")))
+    for press, (part, way) in enumerate([("joint/2", 1.0), ("joint/2", -1.0), ("joint/4", 1.0)], 1):
+        list(hold(case, Jog(press, 1, "manual", part=part, speeds=(way,)), 0.3))
+    assert case.keys(1) == ["stands.stop"]
+    assert (1, Said("stands.stop", {"joints": "2"})) in case.said
 
 
 def test_a_held_target_is_approached_and_ends_the_press_when_it_is_reached() -> None:

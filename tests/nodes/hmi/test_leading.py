@@ -58,6 +58,19 @@ def test_the_goal_waits_for_a_hand_that_stands() -> None:
     assert 0.9 * LEASH_TURN < turn_between(UPRIGHT, turned.orientation)[2] < 1.1 * LEASH_TURN
 
 
+def test_a_goal_that_waits_for_long_does_not_get_on_until_the_hand_goes_again() -> None:
+    for how in (FORWARD, YAW):
+        goal = LedGoal(START, 0.0, LEASE)
+        lead(goal, how, 4.0)
+        assert goal.gets_on
+        lead(goal, how, 16.0, since=4.0)
+        assert not goal.gets_on
+    goal = LedGoal(START, 0.0, LEASE)
+    lead(goal, FORWARD, 20.0)
+    lead(goal, FORWARD, 2.0, since=20.0, velocity=FORWARD.linear)
+    assert goal.gets_on
+
+
 @pytest.mark.parametrize("off", [[0.0, 0.9 * SLACK / BESIDE, 0.0], [0.0, 0.0, -2 * SLACK]])
 def test_the_goal_waits_on_its_line_for_a_hand_that_deviates_from_it(off: list[float]) -> None:
     goal, strays = LedGoal(START, 0.0, LEASE), Hand(START.position + np.array(off), UPRIGHT)

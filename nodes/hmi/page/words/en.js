@@ -188,6 +188,8 @@ export default {
   "press.pad": "Stopped: the joystick is gone.",
   "press.link": "Stopped: the connection was lost.",
   "press.time": "Stopped: time is up.",
+  "stands.hand": "This way the hand hardly moves. Wait a moment; if it stays so, try another button.",
+  "stands.stop": "This way hardly anything moves. At the end of its range: joint {joints}. Try another button first.",
   "refused.driver": "Refused: viewer {driver} drives.",
   "refused.halted": "Refused: the robot is stopped by {by}. Press Release first.",
   "refused.mode": "Refused: not in mode {mode}.",

@@ -188,6 +188,8 @@ export default {
   "press.pad": "Arrêté : la manette n’est plus là.",
   "press.link": "Arrêté : la connexion est perdue.",
   "press.time": "Arrêté : le temps est écoulé.",
+  "stands.hand": "Par là, la main ne bouge presque pas. Attendez un instant ; si cela dure, essayez un autre bouton.",
+  "stands.stop": "Par là, presque rien ne bouge. En butée : articulation {joints}. Essayez d'abord un autre bouton.",
   "refused.driver": "Refusé : le spectateur {driver} pilote.",
   "refused.halted": "Refusé : le robot est arrêté par {by}. Appuyez d’abord sur Libérer.",
   "refused.mode": "Refusé : pas en mode {mode}.",
