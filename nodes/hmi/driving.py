@@ -216,7 +216,8 @@ class Driving:
         if not self._explained:
             self._explained = True
             joints = ", ".join(map(str, stopped))
-            said = Said("stands.stop", {"joints": joints}) if joints else Said("stands.hand")
+            key = "stands.joint" if press.jog.mode == "manual" else "stands.stop"
+            said = Said(key, {"joints": joints}) if joints else Said("stands.hand")
             self._post(press.viewer, said)
 
     def _speeds_of(self) -> tuple[float, float]:

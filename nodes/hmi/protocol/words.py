@@ -10,6 +10,7 @@ KEYS = {
     "press.driver": "",
     "press.plant": "",
     "stands.hand": "",
+    "stands.joint": "joints",
     "stands.stop": "joints",
     "refused.driver": "driver",
     "refused.halted": "by",

@@ -194,14 +194,14 @@ def test_a_joint_at_its_stop_is_named_if_it_is_to_go_beyond() -> None:
     case = Case(AT_STOPS._replace(operator=replace(SHARED, mode="manual")))
     for press, (part, way) in enumerate([("joint/2", 1.0), ("joint/2", -1.0), ("joint/4", 1.0)], 1):
         list(hold(case, Jog(press, 1, "manual", part=part, speeds=(way,)), 0.3))
-    assert case.keys(1) == ["stands.stop"]
-    assert (1, Said("stands.stop", {"joints": "2"})) in case.said
+    assert case.keys(1) == ["stands.joint"]
+    assert (1, Said("stands.joint", {"joints": "2"})) in case.said
 
 
 def test_a_held_target_is_approached_and_ends_the_press_when_it_is_reached() -> None:
     case = Case()
     jog = replace(FORWARD, speeds=(1.0,), target=Target((0.3, 0.03, 0.8)))
-    for turn in range(4):
+    for turn in range(8):
         case.driving.jog(1, jog, 0.1 + turn * 0.05)
     assert case.link.goals[-1].pose.position[1] > 0.003
     case.driving.seen = SEEN._replace(hand=Hand(np.array([0.3, 0.029, 0.8]), HAND.orientation))
