@@ -67,7 +67,7 @@ class _Link:
 
     def lead(self, piece: GoalPiece, t: float) -> None:
         (position, orientation), (linear, angular) = piece.pose, piece.motion
-        self._lead(Goal(position, linear, t, t + piece.lasts, orientation, angular, piece.free))
+        self._lead(Goal(position, linear, t, t + piece.lasts, orientation, angular))
 
     def stand(self, pose: Pose, t: float) -> None:
         turn = None if pose.orientation is None else np.array(pose.orientation)

@@ -4,7 +4,7 @@ All arrays are float; positions and velocities are in the world (z up) unless th
 """
 
 import math
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -45,15 +45,13 @@ class Motion(NamedTuple):
 class GoalPiece(NamedTuple):
     """Where the goal is now, how it moves, and for how long it does so [s, real time].
 
-    `grip` is the gripper's opening [m] that is wanted; None leaves it as it is. `free` is as of
-    `GoalMessage`.
+    `grip` is the gripper's opening [m] that is wanted; None leaves it as it is.
     """
 
     pose: Hand
     motion: Motion
     lasts: float
     grip: float | None = None
-    free: Literal["nothing", "all"] = "nothing"
 
 
 def level_axes(heading: float) -> Array:

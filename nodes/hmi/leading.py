@@ -39,28 +39,13 @@ sound ones tilt more.
 """
 WAITS = 1e-3
 """Share of its speed that a goal has that waits: if it stood, joints would try moves by chance."""
-LATELY = 1.0
-"""[s] in which a goal that waits comes to its full speed again, and over which its share of that is
-averaged to tell whether it gets on.
+LATELY = 2.0
+"""[s] over which the share of its speed that a goal has is averaged, to tell whether it gets on.
 
-Trade-off: at once, hands of broken robots are beside their lines more often; in twice as much they
-are slower, and people let go before it is told.
+Chosen: a goal that waits is said not to get on after 6 s, more than most platforms take to turn.
 """
-HARDLY, AGAIN = 0.05, 0.2
-"""Shares of its speed below which a goal does not get on, and from which on it does again.
-
-Chosen: after 3 s of waiting a goal does not. With half of the first hands stay where joints are at
-their stops, with twice as much those of broken robots are beside their lines more often.
-"""
-
-
-def _split(vector: Array, direction: Array) -> tuple[float, Array]:
-    """Return how far a vector goes along a direction, and what of it is beside; all if none."""
-    length = float(np.linalg.norm(direction))
-    if not length > 0.0:
-        return 0.0, vector
-    along = float(vector @ direction) / length
-    return along, vector - along / length * direction
+HARDLY = 0.05
+"""Share of its speed below which a goal does not get on: 7.5 mm/s of 150 mm/s."""
 
 
 def _leashed(ahead: Array, velocity: Array) -> Array:
@@ -71,11 +56,17 @@ def _leashed(ahead: Array, velocity: Array) -> Array:
     """
     if float(np.linalg.norm(ahead)) <= LEASH:
         return ahead
-    along, aside = _split(ahead, velocity)
+    speed = float(np.linalg.norm(velocity))
+    if not speed > 0.0:
+        return within(ahead, LEASH)
+    direction = velocity / speed
+    along = float(ahead @ direction)
+    aside = ahead - along * direction
     left = LEASH**2 - float(aside @ aside)
     if left <= 0.0:
         return within(ahead, LEASH)
-    result: Array = aside + min(math.sqrt(left) / abs(along), 1.0) * (ahead - aside)
+    most = math.sqrt(left)
+    result: Array = aside + min(max(along, -most), most) * direction
     return result
 
 
@@ -113,6 +104,13 @@ def _largest(ahead: float, beside: float, way: float, most: float, less: float) 
     return -r / (q + root) if q > 0.0 else (root - q) / p
 
 
+def _parts(vector: Array, direction: Array) -> tuple[float, float]:
+    """Return how long a vector is along a direction and beside it; all beside if there is none."""
+    length = float(np.linalg.norm(direction))
+    along = float(vector @ direction) / length if length else 0.0
+    return along, math.sqrt(max(float(vector @ vector) - along**2, 0.0))
+
+
 class LedGoal:
     """The goal of one press in shared mode: it begins where the hand is, and waits for the hand.
 
@@ -139,12 +137,7 @@ class LedGoal:
 
     A robot with broken joints cannot always go on and keep its hand turned as it was. It is to go
     where it was sent first: phi fades in the time `YIELDS` / ((|e| / SLACK)^2 (1 - c)^4): where the
-    goal has to wait, and not for a hand that lags while it goes on. With joints at their stops no
-    robot may have a way on while its hand stays turned as it is: as long as a goal does not get on,
-    its orientation is free, and is from then on what the hand's has become.
-
-    A goal that has waited, or has just begun, goes on slowly: c grows by no more than 1 / `LATELY`
-    a second. Else a platform swings the hand off its line before that is seen.
+    goal has to wait, and not for a hand that lags while it goes on.
 
     Args:
         hand: Where the hand is when the button is pressed.
@@ -157,9 +150,8 @@ class LedGoal:
         self._start = self._goal = self._hand = hand
         self._last, self._lease, self._step = now, lease, step
         self._motion = Motion(np.zeros(3), np.zeros(3))
-        self._share = WAITS  # c
-        self._pace = self._lately = 1.0  # the share of what is to move, and that as of late
-        self._gets_on = True
+        self._share = 1.0  # c
+        self._pace = self._lately = 1.0  # the share of what moves, and that as of late
         self._moved, self._going = now, np.zeros(3)  # when the hand was seen to, how fast [s, m/s]
 
     def advance(self, motion: Motion, hand: Hand, now: float) -> GoalPiece:
@@ -171,7 +163,7 @@ class LedGoal:
         passed = min(max(now - self._last, 0.0), self._lease)
         self._watch(hand, now)
         before, self._last = self._motion, now
-        is_free = self._is_stuck(passed) and bool(motion.linear.any())
+        self._lately += (1.0 - math.exp(-passed / LATELY)) * (self._pace - self._lately)
         moved = min(passed, self._left(before))
         ahead = self._goal.position + before.linear * moved - hand.position
         ahead = _leashed(ahead, before.linear)
@@ -180,13 +172,12 @@ class LedGoal:
         late = ahead - before.linear * UNSEEN
         missed = float(np.linalg.norm(late)) / SLACK
         off = off * math.exp(-(missed**2) * (1.0 - self._share) ** 4 * passed / YIELDS)
-        orientation = hand.orientation if is_free else product(rotation_by(off), hand.orientation)
+        orientation = product(rotation_by(off), hand.orientation)
         self._goal = Hand(hand.position + ahead, orientation / np.linalg.norm(orientation))
-        along, aside = _split(late - self._going * self._lease, motion.linear)
-        beside = BESIDE * float(np.linalg.norm(aside))
+        along, beside = _parts(late - self._going * self._lease, motion.linear)
+        beside *= BESIDE
         way = float(np.linalg.norm(motion.linear)) * self._lease
-        share = min(_share(along, beside, way), self._share + passed / LATELY)
-        self._share = share
+        self._share = share = _share(along, beside, way)
         turning = min(share, max(1.0 - float(np.linalg.norm(off)) / LEASH_TURN, WAITS))
         self._pace = share if motion.linear.any() else turning
         self._motion = Motion(share * motion.linear, turning * motion.angular)
@@ -195,7 +186,7 @@ class LedGoal:
         lasts = min(self._lease, self._left(motion))
         if lasts <= 0.0:
             motion = Motion(np.zeros(3), np.zeros(3))
-        return GoalPiece(self._goal, motion, lasts, free="all" if is_free else "nothing")
+        return GoalPiece(self._goal, motion, lasts)
 
     def _watch(self, hand: Hand, now: float) -> None:
         """Take note of how fast a hand goes, of which each state may be looked at several times."""
@@ -212,14 +203,8 @@ class LedGoal:
 
     @property
     def gets_on(self) -> bool:
-        """Whether the goal has not done hardly anything but wait for the hand, lately."""
-        return self._gets_on
-
-    def _is_stuck(self, passed: float) -> bool:
-        """Take it that the goal has gone as it was to for so long [s]; tell whether it waits."""
-        self._lately += (1.0 - math.exp(-passed / LATELY)) * (self._pace - self._lately)
-        self._gets_on = self._lately > (HARDLY if self._gets_on else AGAIN)
-        return not self._gets_on
+        """Whether the goal has not done nothing but wait for the hand, lately."""
+        return self._lately > HARDLY
 
     def arrived(self, hand: Hand) -> bool:
         """Tell whether a bounded step is over: the goal at its end, and the hand at the goal."""

@@ -138,8 +138,8 @@ class RobotLink:
         linear, angular = (tuple((one / speed).tolist()) for one in piece.motion)
         position, orientation = (tuple(one.tolist()) for one in piece.pose)
         until = t + min(piece.lasts, self._lease) * speed
-        motion = t, position, linear, t, until, orientation, angular
-        self._goal_out.send(GoalMessage(*motion, free=piece.free, grip=piece.grip))
+        goal = GoalMessage(t, position, linear, t, until, orientation, angular, grip=piece.grip)
+        self._goal_out.send(goal)
 
     def stand(self, pose: Pose, t: float) -> None:
         """Publish a goal that stands, as of plant time `t` [s]."""

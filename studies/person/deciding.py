@@ -14,8 +14,6 @@ AIMS = 0.005
 """So close one press brings it, or an expert thinks two presses ahead [m]: half of `NEAR`."""
 EFFORT = 1e-3
 """Of presses that lead as close, the shorter is taken: what a metre or radian is worth [m]."""
-ASIDE = 0.1
-"""So much another button is pressed after one that went no further, as the page says [m or rad]."""
 
 
 class Press(NamedTuple):
@@ -28,8 +26,7 @@ class Press(NamedTuple):
 class Person:
     """Somebody who sees what each button does, and presses the one that brings the hand closest.
 
-    They hold it until the hand gets no closer. Where a button moves nothing any more, they next
-    press another one for a while.
+    They hold it until the hand gets no closer.
 
     Attributes:
         least: How much the shortest press of a button did, of those that they have tried.
@@ -44,21 +41,10 @@ class Person:
         press, _ = self._best(state, place, ahead=False)
         return press if press.amount > 0.0 else None
 
-    def aside(self, state: Array, place: Array, stuck: str) -> Press | None:
-        """Return what to press once a move goes no further; None if no other goes `ASIDE`."""
-        press, _ = self._best(state, place, ahead=False, without=stuck, shortest=ASIDE)
-        return press if press.amount > 0.0 else None
-
-    def _best(
-        self, state: Array, place: Array, *, ahead: bool, without: str = "", shortest: float = 0.0
-    ) -> tuple[Press, float]:
+    def _best(self, state: Array, place: Array, *, ahead: bool) -> tuple[Press, float]:
         """Return the best press, and how close it brings the hand; `ahead`: with one more."""
         best, least = Press("", 0.0), np.inf
         for move, (amounts, states) in self._buttons.courses(state).items():
-            if move == without or amounts[-1] < shortest:
-                continue
-            long_enough = amounts >= shortest
-            amounts, states = amounts[long_enough], states[long_enough]
             off = np.linalg.norm(self._buttons.hands(states) - place, axis=-1)
             if ahead:
                 off = np.minimum(off, self._buttons.after_one_more(states, place))

@@ -79,13 +79,11 @@ class Driver:
         person.least = self._least
         self._wait_still()
         begun, before, moves = len(self._track) - 1, controls.presses, 0
-        stuck = ""
         while self._off(place) > NEAR and moves < MOST:
-            press = person.aside(self._now, place, stuck) if stuck else None
-            press = press or person.next_press(self._now, place)
+            press = person.next_press(self._now, place)
             if press is None:
                 break
-            stuck = "" if self._press(press) else press.move
+            self._press(press)
             moves += 1
         path = self._track[begun:]
         took = path[-1].t - path[0].t
@@ -95,33 +93,26 @@ class Driver:
     def _off(self, place: Array) -> float:
         return float(np.linalg.norm(self._track[-1].hand - place))
 
-    def _press(self, press: Press) -> bool:
-        """Press a button until as much is done as was planned, with what follows by itself.
-
-        Returns:
-            Whether it did not go on until nothing moved any more.
-        """
+    def _press(self, press: Press) -> None:
+        """Press a button until as much is done as was planned, with what follows by itself."""
         start, controls, move = self._now, self._controls, press.move
         speed = self._speeds.get(move, SPEED)
         controls.hold(move)
         since = self._track[-1].t
-        goes = True
         if press.amount < TAP * speed:
             lasts = max(press.amount / speed, SHORTEST)
             controls.wait(lasts)
         else:
-            until, goes = self._hold(press, start)
-            lasts = until - since
+            lasts = self._hold(press, start) - since
         controls.let_go()
         self._wait_still()
         done = self._amount(press, start, self._track[-1])
         self._speeds[move] = max(done / lasts, 0.5 * speed)
         if lasts == SHORTEST:
             self._least[move] = 0.5 * (done + self._least.get(move, done))
-        return goes
 
-    def _hold(self, press: Press, start: Array) -> tuple[float, bool]:
-        """Look on until it is time to let go of a button; return when that is, if still it goes."""
+    def _hold(self, press: Press, start: Array) -> float:
+        """Look on until it is time to let go of a button; return the plant time then [s]."""
         controls, since = self._controls, self._track[-1].t
         while (now := self._track[-1]).t < since + _LONGEST:
             done = self._amount(press, start, now)
@@ -130,9 +121,9 @@ class Driver:
             if now.t > since + LAG and (done + rate * LAG >= press.amount or not is_held):
                 break  # in time, or the page has ended it
             if now.t > since + STUCK and done - self._done_at(press, start, now.t - STUCK) < BARELY:
-                return now.t, False
+                break  # it goes no further
             controls.wait(_LOOK)
-        return now.t, True
+        return now.t
 
     def _amount(self, press: Press, start: Array, seen: Seen) -> float:
         return self._buttons.amount(press.move, start, self._buttons.state(seen))

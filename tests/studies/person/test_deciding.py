@@ -6,7 +6,7 @@ import pytest
 from agents.agent import Array
 from plant.urdf import load
 from studies.person.button_sets import ButtonSet, OneSet, TwoSets
-from studies.person.deciding import ASIDE, NEAR, Expert, Person
+from studies.person.deciding import NEAR, Expert, Person
 
 ARPH = load("arph")
 START = np.array([*np.radians([0.0, 60.0, -115.0, 0.0, 0.0, 0.0]), 0.0, 0.0, 0.0])
@@ -94,15 +94,3 @@ def test_the_best_that_one_more_press_can_do_is_what_it_does() -> None:
         for course in two.courses(START).values()
     )
     assert two.after_one_more(START[None], place)[0] == pytest.approx(best, abs=2e-3)
-
-
-@pytest.mark.parametrize("stuck", ["forward", "up"])
-def test_after_a_button_that_goes_no_further_another_one_is_pressed_for_a_while(stuck: str) -> None:
-    person, place = Person(OneSet()), HAND + np.array([0.5, 0.0, 0.3])
-    other = person.aside(HAND, place, stuck)
-    assert other is not None
-    assert other.move == ("up" if stuck == "forward" else "forward")
-    lonely = person.aside(HAND, HAND + np.array([0.5, 0.0, 0.0]), "forward")
-    assert lonely is not None
-    assert lonely.move != "forward"
-    assert lonely.amount == pytest.approx(ASIDE)
