@@ -319,6 +319,26 @@ def test_a_stop_that_the_plant_does_not_hear_is_not_confirmed(
     assert after <= half + UNCONFIRMED
 
 
+def test_a_joint_that_is_pressed_beyond_the_end_of_its_range_is_named(page: Any) -> None:
+    press_until(page, page.get_by_role("radio", name="Manual"), "body[data-mode=manual]")
+    said = page.get_by_role("status").get_by_text("At the end of its range: joint 5.")
+    page.get_by_role("button", name="Joint 5 +").hover()
+
+    def is_said() -> bool:
+        until = time.monotonic() + AGAIN
+        page.mouse.down()
+        while not said.count() and time.monotonic() < until:
+            page.wait_for_timeout(20)
+        page.mouse.up()  # a busy machine may have ended the press: then there is another one
+        return bool(said.count())
+
+    wait_for(is_said, "the page to name it")
+    page.get_by_role("button", name="Joint 5 \N{MINUS SIGN}").hover()  # back, for the next test
+    page.mouse.down()
+    page.wait_for_timeout(1000)
+    page.mouse.up()
+
+
 def test_the_pages_process_needs_little(page: Any, robot: RobotWithPage) -> None:
     """Of computing time by the seconds of the robot, which a busy machine hardly changes."""
     process = psutil.Process(robot.pid("hmi"))
