@@ -39,13 +39,6 @@ sound ones tilt more.
 """
 WAITS = 1e-3
 """Share of its speed that a goal has that waits: if it stood, joints would try moves by chance."""
-GROWS = 1.0
-"""[s] in which a goal that begins, or has waited, comes to its full speed.
-
-Trade-off: at once, platforms swing the hands of broken robots off their lines before that is seen,
-on half again as many sides; half of it does little against that, and with twice as much hands are
-slower. Places take 3 s more.
-"""
 LATELY = 2.0
 """[s] over which the share of its speed that a goal has is averaged, to tell whether it gets on.
 
@@ -53,15 +46,6 @@ Chosen: a goal that waits is said not to get on after 6 s, more than most platfo
 """
 HARDLY = 0.05
 """Share of its speed below which a goal does not get on: 7.5 mm/s of 150 mm/s."""
-
-
-def _split(vector: Array, direction: Array) -> tuple[float, Array]:
-    """Return how far a vector goes along a direction, and what of it is beside; all if none."""
-    length = float(np.linalg.norm(direction))
-    if not length > 0.0:
-        return 0.0, vector
-    along = float(vector @ direction) / length
-    return along, vector - along / length * direction
 
 
 def _leashed(ahead: Array, velocity: Array) -> Array:
@@ -72,11 +56,17 @@ def _leashed(ahead: Array, velocity: Array) -> Array:
     """
     if float(np.linalg.norm(ahead)) <= LEASH:
         return ahead
-    along, aside = _split(ahead, velocity)
+    speed = float(np.linalg.norm(velocity))
+    if not speed > 0.0:
+        return within(ahead, LEASH)
+    direction = velocity / speed
+    along = float(ahead @ direction)
+    aside = ahead - along * direction
     left = LEASH**2 - float(aside @ aside)
     if left <= 0.0:
         return within(ahead, LEASH)
-    result: Array = aside + min(math.sqrt(left) / abs(along), 1.0) * (ahead - aside)
+    most = math.sqrt(left)
+    result: Array = aside + min(max(along, -most), most) * direction
     return result
 
 
@@ -114,6 +104,13 @@ def _largest(ahead: float, beside: float, way: float, most: float, less: float) 
     return -r / (q + root) if q > 0.0 else (root - q) / p
 
 
+def _parts(vector: Array, direction: Array) -> tuple[float, float]:
+    """Return how long a vector is along a direction and beside it; all beside if there is none."""
+    length = float(np.linalg.norm(direction))
+    along = float(vector @ direction) / length if length else 0.0
+    return along, math.sqrt(max(float(vector @ vector) - along**2, 0.0))
+
+
 class LedGoal:
     """The goal of one press in shared mode: it begins where the hand is, and waits for the hand.
 
@@ -142,9 +139,6 @@ class LedGoal:
     where it was sent first: phi fades in the time `YIELDS` / ((|e| / SLACK)^2 (1 - c)^4): where the
     goal has to wait, and not for a hand that lags while it goes on.
 
-    A goal that begins, or has waited, goes on slowly, for a platform may swing the hand off its
-    line before that is seen: c grows by 1 / `GROWS` a second at most.
-
     Args:
         hand: Where the hand is when the button is pressed.
         now: When that is [s].
@@ -156,7 +150,7 @@ class LedGoal:
         self._start = self._goal = self._hand = hand
         self._last, self._lease, self._step = now, lease, step
         self._motion = Motion(np.zeros(3), np.zeros(3))
-        self._share = WAITS  # c
+        self._share = 1.0  # c
         self._pace = self._lately = 1.0  # the share of what moves, and that as of late
         self._moved, self._going = now, np.zeros(3)  # when the hand was seen to, how fast [s, m/s]
 
@@ -180,11 +174,10 @@ class LedGoal:
         off = off * math.exp(-(missed**2) * (1.0 - self._share) ** 4 * passed / YIELDS)
         orientation = product(rotation_by(off), hand.orientation)
         self._goal = Hand(hand.position + ahead, orientation / np.linalg.norm(orientation))
-        along, aside = _split(late - self._going * self._lease, motion.linear)
-        beside = BESIDE * float(np.linalg.norm(aside))
+        along, beside = _parts(late - self._going * self._lease, motion.linear)
+        beside *= BESIDE
         way = float(np.linalg.norm(motion.linear)) * self._lease
-        share = min(_share(along, beside, way), self._share + passed / GROWS)
-        self._share = share
+        self._share = share = _share(along, beside, way)
         turning = min(share, max(1.0 - float(np.linalg.norm(off)) / LEASH_TURN, WAITS))
         self._pace = share if motion.linear.any() else turning
         self._motion = Motion(share * motion.linear, turning * motion.angular)

@@ -7,7 +7,7 @@ from agents.agent import Array
 from agents.attitude import product, rotation_by, turn_between
 from nodes.hmi import leading
 from nodes.hmi.jogging import Hand, Motion
-from nodes.hmi.leading import BESIDE, EASES, GROWS, LATELY, LEASH, LEASH_TURN, SLACK, WAITS, LedGoal
+from nodes.hmi.leading import BESIDE, EASES, LEASH, LEASH_TURN, SLACK, WAITS, LedGoal
 
 UPRIGHT = np.array([0.0, 0.0, 0.0, 1.0])
 START = Hand(np.array([0.3, -0.1, 0.8]), UPRIGHT)
@@ -35,8 +35,8 @@ def lead(
 def test_the_goal_begins_where_the_hand_is_and_goes_with_the_button() -> None:
     goal = LedGoal(START, 0.0, LEASE)
     assert goal.advance(FORWARD, START, 0.0).pose.position == pytest.approx(START.position)
-    ahead = lead(goal, FORWARD, 0.3).position - START.position
-    assert 0.002 < ahead[0] < 0.15 * 0.3
+    ahead = lead(goal, FORWARD, 0.1).position - START.position
+    assert 0.003 < ahead[0] < 0.015
     assert ahead[1:] == pytest.approx(np.zeros(2))
 
 
@@ -50,23 +50,6 @@ def test_the_goal_of_a_hand_that_keeps_up_goes_at_the_speed_of_the_button() -> N
     assert min(piece.motion.linear[0] for piece in pieces) > 0.1 * 0.15
 
 
-def accompany(goal: LedGoal, seconds: float, since: float = 0.0) -> Array:
-    """Lead a goal for so long of a hand that is at it; return how far it has gone (3) [m]."""
-    before = goal.pose.position
-    for turn in range(round(seconds / 0.05) + 1):
-        goal.advance(FORWARD, goal.pose, since + turn * 0.05)
-    return goal.pose.position - before
-
-
-def test_a_goal_begins_slowly_and_again_where_it_has_waited() -> None:
-    goal = LedGoal(START, 0.0, LEASE)
-    for since in (0.0, 15.0):
-        way = accompany(goal, GROWS, since)
-        assert 0.4 * GROWS * 0.15 < way[0] < 0.6 * GROWS * 0.15
-        assert accompany(goal, 1.0, since + GROWS)[0] > 0.9 * 0.15
-        lead(goal, FORWARD, 5.0, goal.pose, since + 10.0)
-
-
 def test_the_goal_waits_for_a_hand_that_stands() -> None:
     goal = LedGoal(START, 0.0, LEASE)
     ahead = lead(goal, FORWARD, 10.0).position - START.position
@@ -78,13 +61,13 @@ def test_the_goal_waits_for_a_hand_that_stands() -> None:
 def test_a_goal_that_waits_for_long_does_not_get_on_until_the_hand_goes_again() -> None:
     for how in (FORWARD, YAW):
         goal = LedGoal(START, 0.0, LEASE)
-        lead(goal, how, 2.0 * LATELY)
+        lead(goal, how, 4.0)
         assert goal.gets_on
-        lead(goal, how, 8.0 * LATELY, since=2.0 * LATELY)
+        lead(goal, how, 16.0, since=4.0)
         assert not goal.gets_on
     goal = LedGoal(START, 0.0, LEASE)
-    lead(goal, FORWARD, 10.0 * LATELY)
-    lead(goal, FORWARD, 2.0 * LATELY, since=10.0 * LATELY, velocity=FORWARD.linear)
+    lead(goal, FORWARD, 20.0)
+    lead(goal, FORWARD, 2.0, since=20.0, velocity=FORWARD.linear)
     assert goal.gets_on
 
 
@@ -195,18 +178,18 @@ def test_the_goal_turns_about_the_axes_of_the_frame() -> None:
     tilted = Hand(START.position, rotation_by(np.array([0.0, 0.9, 0.0])))
     goal = LedGoal(tilted, 0.0, LEASE)
     goal.advance(YAW, tilted, 0.0)
-    turn = turn_between(tilted.orientation, lead(goal, YAW, 0.5, tilted).orientation)
-    assert 0.03 < turn[2] <= 0.25
+    turn = turn_between(tilted.orientation, lead(goal, YAW, 0.2, tilted).orientation)
+    assert 0.06 < turn[2] <= 0.1
     assert turn[:2] == pytest.approx(np.zeros(2))
     assert product(rotation_by(turn), tilted.orientation) == pytest.approx(goal.pose.orientation)
 
 
 def test_after_a_gap_the_goal_has_gone_on_for_the_lease_only() -> None:
     goal = LedGoal(START, 0.0, LEASE)
-    accompany(goal, 3.0)
-    before = goal.pose
-    late = goal.advance(FORWARD, before, 100.0).pose.position
-    assert late - before.position == pytest.approx(FORWARD.linear * LEASE)
+    goal.advance(FORWARD, START, 0.0)
+    late = goal.advance(FORWARD, START, 100.0).pose.position - START.position
+    way = 0.15 * LEASE
+    assert late == pytest.approx((leading._share(0.0, 0.0, way) * way, 0, 0))
 
 
 def test_a_bounded_step_ends_exactly_there_and_once_the_hand_is_too() -> None:
