@@ -178,9 +178,7 @@ class Robot:
     @property
     def is_in_time(self) -> bool:
         """Whether all commands of its last run came in time."""
-        record = read_run_log(self.run_folder)
-        period: float = load(self.run_folder / "deployment.yaml").period
-        return bool((record.age[record.t >= SETTLING] < 2 * period).all())
+        return came_in_time(self.run_folder)
 
     @property
     def follows(self) -> float:
@@ -233,6 +231,13 @@ class Robot:
             with suppress(ProcessLookupError):
                 os.kill(pid, signal.SIGKILL)
         wait_for(lambda: not self.processes(), "all processes to be gone")
+
+
+def came_in_time(run: Path) -> bool:
+    """Tell whether all commands of a run came in time, by its folder."""
+    record = read_run_log(run)
+    period: float = load(run / "deployment.yaml").period
+    return bool((record.age[record.t >= SETTLING] < 2 * period).all())
 
 
 def free_name(stack: ExitStack) -> str:
