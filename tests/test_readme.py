@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from runtime.config.deployment import load
+from runtime.results.logs import read_log
 from runtime.results.summary import MISSED
 from tests.runtime.conftest import DEADLINE, TOLERANCE, came_in_time, free_name, wait_for
 
@@ -147,9 +148,8 @@ def test_the_agent_and_the_node_of_ones_own_can_be_deployed(place):
     # how near the hand is at the end depends on how busy the machine is, and is not the question
     done = run("msma-launch mine.yaml --speed 2 --set tolerance=1m", place)
     assert done.returncode == 0, done.stdout + done.stderr
-    (plant,) = place.glob("runs/*/plant.jsonl")
-    lines = map(json.loads, plant.read_text().splitlines())
-    *_, last = (line for line in lines if line["event"] == "tick")
+    (run_folder,) = place.glob("runs/*")
+    last = read_log(run_folder, "plant", "tick")[-1]
     assert last["q"][0] > 0.8 * 0.052 * last["t"], "the agent turns its joint by 3 deg/s"
     (log,) = place.glob("runs/*/odometer.jsonl")
     end = json.loads(log.read_text().splitlines()[-1])

@@ -95,7 +95,7 @@ class Driving:
         self._led: LedGoal | None = None
         self._wanted_grip: WantedGrip | None = None
         self._start: Place = seen.place
-        self._explained = False  # why this press does not get on
+        self._explained = False  # that this press does not get on
         self._settles_until = 0.0
 
     def press_of(self, viewer: int) -> int:
@@ -193,7 +193,7 @@ class Driving:
             motion = motion_to(to, led.pose, limit * share, turn * share)
         piece = led.advance(motion, hand, now)
         if not led.gets_on:
-            self._explain(press, at_stops(self._robot, self.seen.place.q))
+            self._explain(press)
         grip = self._wanted_grip
         if grip is not None:
             piece = piece._replace(grip=grip.advance(jog, self.seen.gripper, now))
@@ -211,14 +211,20 @@ class Driving:
         if over:
             self._end(press, self._presses.end("step"), now)
 
-    def _explain(self, press: Press, stopped: Sequence[int]) -> None:
-        """Say once that a press does not get on, with the numbers of joints at their stops."""
-        if not self._explained:
-            self._explained = True
-            joints = ", ".join(map(str, stopped))
-            key = "stands.joint" if press.jog.mode == "manual" else "stands.stop"
-            said = Said(key, {"joints": joints}) if joints else Said("stands.hand")
-            self._post(press.viewer, said)
+    def _explain(self, press: Press, speeds: Sequence[float] | None = None) -> None:
+        """Say once that a press does not get on, and which joints are at their stops.
+
+        With `speeds` of joints, in manual mode, only if one is to go beyond its stop.
+        """
+        if self._explained:
+            return
+        joints = ", ".join(map(str, at_stops(self._robot, self.seen.place.q, speeds)))
+        if joints:
+            key = "stands.stop" if speeds is None else "stands.joint"
+            self._post(press.viewer, Said(key, {"joints": joints}))
+        elif speeds is None:
+            self._post(press.viewer, Said("stands.hand"))
+        self._explained = bool(joints) or speeds is None
 
     def _speeds_of(self) -> tuple[float, float]:
         """Return the largest speeds of the hand [m/s, rad/s] in force."""
@@ -229,8 +235,8 @@ class Driving:
     def _move_part(self, press: Press, speeds: PartSpeeds, painted: float, now: float) -> None:
         speeds = speeds._replace(grip=grip_speed(press.jog, self._robot.gripper))
         self._link.jog(press, painted, speeds)
-        if speeds.joints and (ended := at_stops(self._robot, self.seen.place.q, speeds.joints)):
-            self._explain(press, ended)
+        if speeds.joints:
+            self._explain(press, speeds.joints)
         grip = self._wanted_grip
         if grip is not None and not any(press.jog.speeds):
             if self._grip_is_done(press, grip, now):

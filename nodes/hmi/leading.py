@@ -203,7 +203,7 @@ class LedGoal:
 
     @property
     def gets_on(self) -> bool:
-        """Whether the goal has not done nothing but wait for the hand, lately."""
+        """Whether the goal has done more than wait for the hand, lately."""
         return self._lately > HARDLY
 
     def arrived(self, hand: Hand) -> bool:

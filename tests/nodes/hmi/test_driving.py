@@ -201,7 +201,7 @@ def test_a_joint_at_its_stop_is_named_if_it_is_to_go_beyond() -> None:
 def test_a_held_target_is_approached_and_ends_the_press_when_it_is_reached() -> None:
     case = Case()
     jog = replace(FORWARD, speeds=(1.0,), target=Target((0.3, 0.03, 0.8)))
-    for turn in range(8):
+    for turn in range(4):
         case.driving.jog(1, jog, 0.1 + turn * 0.05)
     assert case.link.goals[-1].pose.position[1] > 0.003
     case.driving.seen = SEEN._replace(hand=Hand(np.array([0.3, 0.029, 0.8]), HAND.orientation))
