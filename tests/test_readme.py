@@ -56,6 +56,16 @@ def run(command: str, place: Path) -> subprocess.CompletedProcess[str]:
     )
 
 
+def launched(command: str, place: Path) -> subprocess.CompletedProcess[str]:
+    """Launch, and again in real time where a busy machine was too slow for the speed."""
+    wider = f" --set tolerance={TOLERANCE}m"  # there the hand may be off by more than is allowed
+    done = run(command + wider, place)
+    if done.returncode == MISSED and not came_in_time(next(place.glob("runs/*"))):
+        shutil.rmtree(place / "runs")
+        done = run(re.sub(" --speed [0-9.]+", "", command) + wider, place)
+    return done
+
+
 def environment() -> dict[str, str]:
     """Return that of a shell with the project's commands, also if make has begun these tests."""
     found = {name: value for name, value in os.environ.items() if not name.startswith("MAKE")}
@@ -101,11 +111,7 @@ def test_make_opens_the_page_on_a_terminal_only(options, file):
     "command", [line for block in (*LAUNCHES, FETCH, STUDY) for line in commands(block)]
 )
 def test_a_command_that_needs_nothing_running_ends_well(command, place):
-    # on a busy machine the hand may be off by more than the deployment allows
-    wider = f" --set tolerance={TOLERANCE}m" if command.startswith("msma-launch") else ""
-    done = run(command + wider, place)
-    if wider and done.returncode == MISSED and not came_in_time(next(place.glob("runs/*"))):
-        done = run(re.sub(" --speed [0-9.]+", "", command) + wider, place)  # it was too slow
+    done = launched(command, place) if command.startswith("msma-launch") else run(command, place)
     assert done.returncode == 0, done.stdout + done.stderr
 
 
@@ -145,8 +151,7 @@ def test_the_agent_and_the_node_of_ones_own_can_be_deployed(place):
     assert ours in deployment
     text = deployment.replace(ours, agents.partition("agents:\n")[2])
     (place / "mine.yaml").write_text(f"{text}\n{nodes}")
-    # how near the hand is at the end depends on how busy the machine is, and is not the question
-    done = run("msma-launch mine.yaml --speed 2 --set tolerance=1m", place)
+    done = launched("msma-launch mine.yaml --speed 2", place)
     assert done.returncode == 0, done.stdout + done.stderr
     (run_folder,) = place.glob("runs/*")
     last = read_log(run_folder, "plant", "tick")[-1]
