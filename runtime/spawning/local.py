@@ -6,13 +6,15 @@ from collections.abc import Callable, Collection, Iterable
 from contextlib import suppress
 from pathlib import Path
 from signal import SIGKILL, SIGTERM
-from typing import NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from plant.errors import MsmaError
-from runtime.config.deployment import ProcessSpec
 from runtime.spawning.forkserver import ChildProcess, ForkServer
 from runtime.spawning.identity import obeyed_in, processes_in
 from runtime.spawning.tasks import LOST, Task, last_line, remove_empty
+
+if TYPE_CHECKING:
+    from runtime.config.deployment import ProcessSpec  # most of what a tool imports, if it does
 
 _TURN = 0.02  # [s] between two looks at the processes
 
@@ -40,7 +42,7 @@ class ProcessExit(NamedTuple):
 class ProcessGroup(Protocol):
     """The processes that were started for a run, here or elsewhere."""
 
-    def start(self, processes: Iterable[ProcessSpec]) -> None:
+    def start(self, processes: Iterable["ProcessSpec"]) -> None:
         """Start some processes, all at once."""
 
     def revive(self, role: str, home: str) -> int:
@@ -120,7 +122,7 @@ class LocalProcesses(ProcessGroup):
         self._living: list[tuple[Task, ChildProcess]] = []
         self._outs: set[Path] = set()
 
-    def start(self, processes: Iterable[ProcessSpec]) -> None:
+    def start(self, processes: Iterable["ProcessSpec"]) -> None:
         for role, host, copy in processes:
             self._start(Task(role, self.run, host if copy else None))
 

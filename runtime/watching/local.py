@@ -60,8 +60,6 @@ def revive(role: str, target: Target, forkserver: ForkServer) -> int:
     `RunError` if it is alive, or does not come, or its run is not one that this user has started;
     `ConfigError` if the run has no such role.
     """
-    from runtime.config.deployment import load
-
     began = time.monotonic()
     with visit(target) as bus:
         if diags(bus, role):
@@ -69,6 +67,8 @@ def revive(role: str, target: Target, forkserver: ForkServer) -> int:
         run = target.run_with(role)
         host = ""  # which only a copy beside a process that hangs has to know
         if processes_in(run, role) or not read_log(run, role, "start"):
+            from runtime.config.deployment import load  # most of what a tool imports, if it does
+
             host = load(run / "deployment.yaml", only_role=role).host_of(role)
         processes = LocalProcesses(run, forkserver)
         pid = processes.revive(role, host)

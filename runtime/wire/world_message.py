@@ -1,10 +1,9 @@
 """The message about the world: where the objects around the robot are, for people to see."""
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
-from plant.world import ObjectKind
 from runtime.wire.messages import (
     MOST_NUMBERS,
     Message,
@@ -17,6 +16,7 @@ from runtime.wire.messages import (
 )
 from runtime.wire.refusals import MessageError, Reason
 
+ObjectKind = Literal["box", "cylinder", "sphere"]  # of `plant.world`, which takes numpy to import
 LENGTHS: dict[ObjectKind, int] = {"box": 3, "cylinder": 2, "sphere": 1}
 """How many lengths say how large an object is."""
 

@@ -68,6 +68,21 @@ def test_a_role_is_killed_and_revived_and_goes_on(running: Robot) -> None:
     assert running.log("plant", "tick")[-1]["age"][1] < 0.2
 
 
+def test_reviving_imports_no_more_than_it_needs(
+    running: Robot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pid = running.pid("joint/3")
+    assert running.tool("kill", "joint/3").returncode == 0
+    wait_for(lambda: pid not in running.processes(), "its end")
+    monkeypatch.setitem(running.environment, "PYTHONPROFILEIMPORTTIME", "1")
+    said = running.tool("revive", "joint/3")
+    assert said.returncode == 0, said.stderr
+    imported = {line.split("|")[-1].strip() for line in said.stderr.splitlines()}
+    assert "runtime.watching.local" in imported
+    # the robot is without its joint meanwhile, and these take as long as all the rest
+    assert not {"numpy", "yaml", "runtime.config.deployment"} & imported
+
+
 def test_what_hangs_is_shown_and_can_be_killed(running: Robot) -> None:
     pid = running.pid("joint/6")
     os.kill(pid, signal.SIGSTOP)
