@@ -15,7 +15,9 @@ from runtime.wire.messages import Diag
 from runtime.wire.packing import unpack_valid
 
 _ANSWER = 1.0  # [s]
+_AGAIN = 0.02  # [s] before a process is asked again
 _START = 10.0  # [s] for a revived process to be seen alive
+_HANGS = 3.0  # [s] without an answer after which a process that is there is said to hang
 
 
 def diags(bus: Bus, role: str = "**") -> list[Diag]:
@@ -54,6 +56,16 @@ def silent_roles(bus: Bus, target: Target) -> dict[str, str]:
     return silent
 
 
+def _answers(bus: Bus, role: str, target: Target) -> bool:
+    """Return whether a role answers, which takes a busy process of this machine a while."""
+    until = time.monotonic() + _HANGS
+    while not diags(bus, role):
+        if not processes_in(target.run_with(role), role) or time.monotonic() > until:
+            return False
+        time.sleep(_AGAIN)
+    return True
+
+
 def revive(role: str, target: Target, forkserver: ForkServer) -> int:
     """Start a robot's role again, wait until it is seen alive, and return the process's id.
 
@@ -62,7 +74,7 @@ def revive(role: str, target: Target, forkserver: ForkServer) -> int:
     """
     began = time.monotonic()
     with visit(target) as bus:
-        if diags(bus, role):
+        if _answers(bus, role, target):
             raise RunError(f"{role} is alive; `msma agent --copy` starts another beside it")
         run = target.run_with(role)
         host = ""  # which only a copy beside a process that hangs has to know
@@ -77,5 +89,5 @@ def revive(role: str, target: Target, forkserver: ForkServer) -> int:
                 raise RunError(f"{role} did not start: {ended.said}")
             if time.monotonic() - began > _START:
                 raise RunError(f"{role}, process {pid}, is not seen alive")
-            time.sleep(0.02)
+            time.sleep(_AGAIN)
     return pid

@@ -3,13 +3,20 @@
 import json
 import os
 import signal
+from argparse import Namespace
 from collections.abc import Iterator
 from contextlib import ExitStack
 from typing import Any
 
 import pytest
 
+from runtime.errors import RunError
+from runtime.spawning.forkserver import ForkServer
 from runtime.verbs.hz import evenness
+from runtime.watching import local
+from runtime.watching.discovery import target_of
+from runtime.wire.bus import Bus
+from runtime.wire.messages import Diag
 from tests.runtime.conftest import RUN_DEADLINE, TOLERANCE, Robot, wait_for
 from tests.runtime.test_launch import ROLES
 
@@ -96,6 +103,21 @@ def test_reviving_what_lives_is_refused(running: Robot) -> None:
     said = running.tool("revive", "joint/1")
     assert (said.returncode, said.stdout) == (1, "")
     assert "--copy" in said.stderr
+
+
+def test_one_that_is_late_with_its_answer_is_alive(
+    running: Robot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    answered, asked = local.diags, []
+
+    def late(bus: Bus, role: str) -> list[Diag]:
+        asked.append(role)
+        return answered(bus, role) if len(asked) > 1 else []
+
+    monkeypatch.setattr(local, "diags", late)
+    target = target_of(Namespace(robot=running.name, file=None))
+    with ForkServer("joint/1") as forkserver, pytest.raises(RunError, match="joint/1 is alive"):
+        local.revive("joint/1", target, forkserver)
 
 
 @pytest.mark.parametrize("verb", ["kill", "revive", "stop"])
