@@ -13,9 +13,10 @@ from runtime.wire.operator_messages import JogMessage, Mode, OperatorState
 
 LEASE = 0.25
 """A press ends so long after the arrival of its last message [s]: five of 20 Hz are lost."""
-SLOWS = 0.075
-"""It slows down from then on [s], one and a half of these messages: ending it at full speed would
-let a hand of 150 mm/s go 40 mm on after its page was killed, more than the 30 mm that it may."""
+SLOWS = 0.05
+"""It slows down from then on [s], when the next one is due: ending it at full speed would let a
+hand of 150 mm/s go 40 mm on after its page was killed, more than the 30 mm that it may; slowing
+down after one and a half of these messages, up to 33 mm."""
 STALE = 0.5
 """A press counts if the state that it was made on is no older [s]: what a person sees is too old
 to steer by then. It is measured by plant time, which a message brings back to the plant."""

@@ -28,7 +28,8 @@ from tests.runtime.conftest import Robot, wait_for
 DEPLOYMENT = """
 description: arph
 period: 60 ms
-duration: 900 s  # in case that nobody stops it
+duration: 3600 s  # in case that nobody stops it
+patience: 120 s  # a test stops the plant until the page has said so, on a busy machine long after
 tolerance: 10 m
 start:
   joints: [0 deg, 60 deg, -115 deg, 0 deg, 0 deg, 0 deg]
