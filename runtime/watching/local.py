@@ -17,7 +17,7 @@ from runtime.wire.packing import unpack_valid
 _ANSWER = 1.0  # [s]
 _AGAIN = 0.02  # [s] before a process is asked again
 _START = 10.0  # [s] for a revived process to be seen alive
-_HANGS = 3.0  # [s] without an answer after which a process that is there is said to hang
+_HANGS = 1.0  # [s] without an answer after which a process that is there is said to hang
 
 
 def diags(bus: Bus, role: str = "**") -> list[Diag]:

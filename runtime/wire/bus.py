@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, suppress
 from queue import Empty, SimpleQueue
+from threading import Thread
 from typing import NamedTuple
 
 import zenoh
@@ -25,6 +26,7 @@ from runtime.wire.topics import Topic
 from runtime.wire.zenoh_internals.callbacks import CallbackSubscriber, SampleQueue, direct_callback
 
 _LINGER = 0.1  # [s] that an answer has to leave before the bus is closed: closing drops what waits
+_CLOSES = 0.5  # [s] that closing may take: Zenoh waits for attempts to connect to whoever hangs
 _LATER = 0.5  # [s] after which a query that Zenoh has not given up by itself is given up
 
 
@@ -131,7 +133,9 @@ class Bus(AbstractContextManager["Bus"]):
     def close(self) -> None:
         """Leave the bus: a loop that waits for messages ends with `BusError`."""
         time.sleep(max(self._asked + _LINGER - time.monotonic(), 0.0))
-        self._session.close()  # type: ignore[no-untyped-call] # an omission in zenoh's stubs
+        closing = Thread(target=self._session.close, name="closing", daemon=True)
+        closing.start()
+        closing.join(_CLOSES)
 
     def publisher(self, key: str, topic: Topic | None = None) -> Publisher:
         """Return what publishes on one key, as its `topic` says: by default the standard one."""

@@ -1,10 +1,12 @@
 """The bus on the loopback device, with several places of it in one process."""
 
+import math
 import random
+import socket
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 
 import pytest
 import zenoh
@@ -12,7 +14,7 @@ import zenoh
 from plant.errors import MsmaError
 from runtime.wire import topics
 from runtime.wire.bus import Bus, BusError, RingSubscriber
-from runtime.wire.mesh import LOOPBACK, on_loopback
+from runtime.wire.mesh import LOOPBACK, Address, Endpoints, on_loopback
 from runtime.wire.messages import JointCommand
 from runtime.wire.packing import LARGEST, pack, unpack
 from tests.runtime.conftest import ProcessGroup, wait_for
@@ -25,23 +27,28 @@ class Network:
     """Sessions of one robot on the bus, all in this process."""
 
     def __init__(self, processes: ProcessGroup, stack: ExitStack) -> None:
-        self._crew, self._stack = processes, stack
+        self.robot, self.port, self._stack = processes.robot, processes.port, stack
 
     def join(self, slot: int, robot: str = "") -> Bus:
-        mesh = on_loopback(self._crew.port, ROLES)
+        mesh = on_loopback(self.port, ROLES)
         place = mesh.endpoints(slot) if slot < ROLES else mesh.copy_endpoints(slot, LOOPBACK)
-        bus = Bus(robot or self._crew.robot, f"joint/{slot}", place, random.getrandbits(60))
+        bus = Bus(robot or self.robot, f"joint/{slot}", place, random.getrandbits(60))
         return self._stack.enter_context(bus)
 
     def visit(self) -> Bus:
-        bus = Bus(self._crew.robot, "tool", on_loopback(self._crew.port, ROLES).visitor(), 1)
+        bus = Bus(self.robot, "tool", on_loopback(self.port, ROLES).visitor(), 1)
         return self._stack.enter_context(bus)
 
 
 @pytest.fixture
-def network(processes: ProcessGroup) -> Iterator[Network]:
+def stack() -> Iterator[ExitStack]:
     with ExitStack() as stack:
-        yield Network(processes, stack)
+        yield stack
+
+
+@pytest.fixture
+def network(processes: ProcessGroup, stack: ExitStack) -> Network:
+    return Network(processes, stack)
 
 
 def arrives(sender: Bus, ring: RingSubscriber, key: str = KEY) -> JointCommand:
@@ -285,3 +292,59 @@ def test_tokens_show_who_comes_and_who_goes(network: Network) -> None:
     late.close()
     wait_for(lambda: (joint, False) in seen, "the end of one")
     assert tool.who_is_alive() == [plant]
+
+
+class SlowLine:
+    """A way to a port of this machine that holds back all but the first of what a dialer says.
+
+    Attributes:
+        port: Where it is dialled.
+        connections: How many were made by it.
+
+    Args:
+        to: The port it leads to.
+        seconds: For how long from the connection on it holds that back [s].
+    """
+
+    def __init__(self, to: int, seconds: float, stack: ExitStack) -> None:
+        self._to, self._seconds, self._stack = to, seconds, stack
+        self._listens = stack.enter_context(socket.create_server((LOOPBACK, 0)))
+        self.port: int = self._listens.getsockname()[1]
+        self.connections = 0
+        threading.Thread(target=self._accept, daemon=True).start()
+
+    def _accept(self) -> None:
+        with suppress(OSError):  # it is closed
+            while True:
+                dialer = self._stack.enter_context(self._listens.accept()[0])
+                since = time.monotonic()
+                there = self._stack.enter_context(socket.create_connection((LOOPBACK, self._to)))
+                self.connections += 1
+                for way in ((dialer, there, since), (there, dialer, -math.inf)):
+                    threading.Thread(target=self._carry, args=way, daemon=True).start()
+
+    def _carry(self, here: socket.socket, there: socket.socket, since: float) -> None:
+        with suppress(OSError):
+            there.sendall(here.recv(1 << 16))
+            while data := here.recv(1 << 16):
+                time.sleep(max(since + self._seconds - time.monotonic(), 0.0))
+                there.sendall(data)
+
+
+def test_a_connection_is_made_however_long_it_takes(network: Network, stack: ExitStack) -> None:
+    """Zenoh may take one for made, for good, that is made just as its time is over."""
+    network.join(0).answer("here", lambda _: b"yes")
+    line = SlowLine(network.port, 2.0, stack)
+    place = Endpoints(Address(LOOPBACK, 0), (Address(LOOPBACK, line.port),))
+    bus = stack.enter_context(Bus(network.robot, "slow", place, 1))
+    wait_for(lambda: bus.ask("here"), "an answer")
+    assert line.connections == 1, "the first was given up"
+
+
+def test_closing_does_not_wait_for_whoever_hangs(network: Network, stack: ExitStack) -> None:
+    hangs = stack.enter_context(socket.create_server((LOOPBACK, 0)))
+    place = Endpoints(Address(LOOPBACK, 0), (Address(*hangs.getsockname()),))
+    bus = Bus(network.robot, "tool", place, 1)
+    begun = time.monotonic()
+    bus.close()
+    assert time.monotonic() - begun < 8.0, "it waited for its attempt, of 10 s, to be over"
