@@ -14,22 +14,20 @@ from runtime.wire.mesh import Endpoints
 from runtime.wire.security import Credentials, access_list, encryption
 from runtime.wire.zenoh_internals.transport import provide_threads
 
-_PATIENT = 10_000
-"""Time for an attempt to connect, and to accept one [ms], where it can be long: Zenoh's default.
-
-If it is over within the very milliseconds in which a connection is made, Zenoh 1.10 considers it
-open, but reads nothing from it and makes no other one until one of the two processes ends. With 1 s
-that befell one pair of processes in hundreds if one of them hung for longer, or on a busy machine.
-"""
-_ONE_HOST = 250, _PATIENT, 500
+_ONE_HOST = 250, 10_000, 500
 """Silence after which a connection is closed, time for an attempt to connect, and longest pause
-before the next [ms]."""
+before the next [ms].
+
+If that time is over within the very milliseconds in which a connection is made, Zenoh 1.10 takes it
+for made, but reads nothing from it and makes no other until one of the two processes ends. With 1 s
+that befell one pair of processes in hundreds after one had hung, and some on busy machines."""
 _SEVERAL_HOSTS = 600, 500, 100
 """The same with several hosts. A host that is cut off does not refuse connections, so the last two
 determine how soon it is found when it is back. Between hosts a packet may be lost twice, which
 costs 0.4 s; reconnecting costs more."""
-_TLS_OPEN = 1000
-"""At least for an attempt [ms] with certificates: checking them takes long on a busy machine."""
+_LEAST = 1000
+"""For an attempt with certificates, which take long to check on a busy machine, and for accepting
+one [ms], at least."""
 _BATCH = 2048
 """Largest batch [bytes]: twice the plant's messages of one moment. By default Zenoh has 64 KiB, and
 allocates and zeroes that much for each packet while the previous one is still in use."""
@@ -49,7 +47,7 @@ def config(
     lease, opens, pause = _SEVERAL_HOSTS if place.elsewhere else _ONE_HOST
     protocol, encrypted, listed = "tcp", {}, {}
     if credentials is not None and robot is not None:
-        protocol, encrypted, opens = "tls", encryption(credentials), max(opens, _TLS_OPEN)
+        protocol, encrypted, opens = "tls", encryption(credentials), max(opens, _LEAST)
         listed = {"access_control": access_list(robot, credentials.roles, credentials.contract)}
     dials = [f"{protocol}/{there}" for there in place.routers or place.dials]
     if not place.routers:
@@ -67,7 +65,7 @@ def config(
         },
         "transport": {
             "link": {"tx": {"lease": lease, "keep_alive": 4, "batch_size": _BATCH}, **encrypted},
-            "unicast": {"open_timeout": opens, "accept_timeout": _PATIENT},
+            "unicast": {"open_timeout": opens, "accept_timeout": max(opens, _LEAST)},
             "shared_memory": {"enabled": False},  # it leaks when a process is killed
         },
         **listed,

@@ -103,7 +103,7 @@ def test_a_signal_ends_a_process_gracefully_and_soon(
     wait_for(lambda: processes.diag(bus, role), "it to be there")
     processes.kill(role, number)
     assert processes.result(role, timeout=SOON)[0] == code
-    assert bus.who_is_alive() == []
+    wait_for(lambda: bus.who_is_alive() == [], "nobody to be there")
     assert log(processes, role, "end")
 
 
