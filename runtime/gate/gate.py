@@ -124,7 +124,8 @@ class Gate:
         held = self.held(now)
         is_sound = 0.0 <= behind <= STALE and not self.is_deaf(now)
         if held is not None and (held.by, held.press) == (jog.by, jog.press):
-            self._held, self._arrived = (jog, now) if jog.held and is_sound else (None, now)
+            goes_on = jog.held and is_sound and jog.mode == held.mode
+            self._held, self._arrived = (jog if goes_on else None), now
             return
         is_new = jog.press > self._spent.get(jog.by, -1)
         self._spend(jog)

@@ -266,6 +266,16 @@ def test_the_path_pauses_outside_of_automatic_mode_and_the_task_ends_in_rest() -
     assert (gate.mode, gate.paused) == ("automatic", 5.0)
 
 
+def test_a_press_that_says_another_mode_than_it_was_made_in_is_over() -> None:
+    gate = Gate("shared")
+    jog(8, "shared")(gate, 0.0)
+    assert gate.held(0.0) is not None
+    jog(8, "manual")(gate, 0.05)
+    assert gate.held(0.05) is None
+    jog(8, "shared")(gate, 0.1)
+    assert gate.held(0.1) is None, "it is spent"
+
+
 MODES = st.sampled_from(["rest", "automatic", "shared", "manual"])
 PRESSES = st.builds(
     lambda *args: ("jog", *args),
