@@ -18,6 +18,8 @@ from studies.study import Progress, Row
 ROUNDS = 2
 FIRST, APART, OBSERVED = 3.0, 1.5, 1.2
 """Time of the first fault, time between faults, and time observed after each [s]."""
+LATE = 3.0
+"""How much later the last fault may be, on a machine that starves the launcher [s]."""
 HANGING = 0.8
 """How long a stopped process hangs [s]: until well after its standby has taken over."""
 SIGNALS = {"kill": "SIGKILL", "hang": "SIGSTOP"}
@@ -119,7 +121,7 @@ def _round(
     """Launch, apply the fault to each process in turn, and return the gaps, log and fault count."""
     roles = [agent.role for agent in deployed(ARPH).agents]
     at = {victim: FIRST + APART * index for index, victim in enumerate(chaos_targets)}
-    duration = FIRST + APART * len(chaos_targets)
+    duration = FIRST + APART * len(chaos_targets) + LATE
     options = [str(ARPH), "--robot", f"bench-gap-{fault}", "--duration", f"{duration:g} s"]
     for role in roles:
         options += ["--set", f"agents.{role}.copies=2"]
@@ -129,11 +131,13 @@ def _round(
     with launched(options) as run:
         run.end(duration)
         record = read_run_log(run.run)
-        done = [line for line in run.log(LAUNCHER) if line.get("action") == fault]
+        done = {
+            each["target"]: each["t"] for each in run.log(LAUNCHER) if each.get("action") == fault
+        }
     times = dict(zip((*(r for r in roles if r != PLATFORM_AGENT), PLATFORM_AGENT),
                      record.arrivals(period), strict=True))  # fmt: skip
     gaps_after = []
-    for victim, t in at.items():
+    for victim, t in done.items():
         gaps = {role: longest(each, t, t + OBSERVED) for role, each in times.items()}
         others = max(gap for role, gap in gaps.items() if role != victim)
         gaps_after.append(FaultGap(fault, victim, gaps.get(victim), others))

@@ -22,9 +22,11 @@ from runtime.wire.messages import (
 from runtime.wire.operator_messages import OperatorState
 from runtime.wire.packing import unpack_valid
 from runtime.wire.refusals import Refusals
+from runtime.wire.zenoh_internals.transport import disable_linger
 
 _FRESH = 1.0  # [s] for which a state is shown that is no longer published
 _AT_ONCE = 8
+_CHECK = 0.25  # [s] between two looks for connections that linger
 
 
 class View(NamedTuple):
@@ -99,6 +101,7 @@ class Watcher(ProcessWatcher):
     def __init__(self, bus: Bus) -> None:
         self.clock = BusClock(bus, time.monotonic())  # as of the last look
         self._worst: float | None = None
+        self._checked = -math.inf
         refusals = Refusals()
         self._hand = TopicInput(topics.HAND, EndEffectorPose, _FRESH, refusals)
         self._platform = TopicInput(topics.PLATFORM, PlatformPose, _FRESH, refusals)
@@ -112,6 +115,9 @@ class Watcher(ProcessWatcher):
     def look(self) -> View:
         """Return what is known now."""
         now = time.monotonic()
+        if now >= self._checked + _CHECK:  # a host that is cut off would keep it from all others
+            self._checked = now
+            disable_linger()
         for ring, source in self._inputs:
             for arrival in ring.waiting(_AT_ONCE):
                 source.accept(arrival.data, now)

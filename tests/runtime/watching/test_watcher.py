@@ -1,4 +1,8 @@
+import os
 import signal
+import socket
+import struct
+from contextlib import suppress
 
 import pytest
 
@@ -122,3 +126,30 @@ def test_a_watcher_sees_the_joints_the_platform_and_the_goal(processes: ProcessG
     assert view.platform.heading == pytest.approx(0.0)
     assert view.goal_message is not None
     assert view.goal_message.velocity == pytest.approx((0.0, -0.07, 0.02))
+
+
+def lingering() -> int:
+    """Count the connections of this process that keep who closes them waiting."""
+    count = 0
+    for name in os.listdir("/dev/fd"):
+        with suppress(OSError):  # it is not a connection, or closed by now
+            connection = socket.socket(socket.AF_INET, socket.SOCK_STREAM, fileno=int(name))
+            try:
+                option = connection.getsockopt(socket.SOL_SOCKET, socket.SO_LINGER, 8)
+                count += bool(struct.unpack("ii", option)[0])
+            finally:
+                connection.detach()
+    return count
+
+
+def test_no_connection_of_who_looks_on_lingers(processes: ProcessGroup) -> None:
+    """Closing one to a host that is cut off would keep a launcher from all others until it is back.
+
+    So it did: a rehearsal's launcher saw no host any more, and never ended the partition.
+    """
+    processes.start("plant")
+    bus = processes.visit()
+    watcher = Watcher(bus)
+    wait_for(lambda: bus.links, "its connection")
+    wait_for(lambda: watcher.look() and lingering() == 0, "it not to linger")
+    assert bus.links
