@@ -5,6 +5,7 @@ import importlib
 import os
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -27,7 +28,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     if verb in ("", "-h", "--help"):
         print(_help())
         return 0 if verb else 2
-    return exit_code(lambda: _run(verb, rest))
+    code = exit_code(lambda: _run(verb, rest))
+    _leave_if_closing(code)
+    return code
 
 
 def _run(verb: str, arguments: Sequence[str]) -> int:
@@ -37,6 +40,16 @@ def _run(verb: str, arguments: Sequence[str]) -> int:
     module.add_arguments(parser)
     code: int = module.run(parser.parse_args(arguments))
     return code
+
+
+def _leave_if_closing(code: int) -> None:
+    """End this process at once if a bus of it still closes, which Python does not survive."""
+    bus = sys.modules.get("runtime.wire.bus")
+    if bus is not None and bus.is_closing():
+        with suppress(OSError):
+            sys.stdout.flush()
+            sys.stderr.flush()
+        os._exit(code)
 
 
 def launch() -> int:

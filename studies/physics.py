@@ -66,6 +66,10 @@ def _locked(joint: int, *degrees: float) -> dict[str, Any]:
     }
 
 
+SPEED = "plant, in steps of 1 ms"
+"""What the last row is about, which is up to the machine."""
+
+
 CASES = (
     Case("no masses (kinematic plant)", None, None),
     Case("planar base", 0.001),
@@ -160,7 +164,7 @@ def _speed() -> Row:
     for _ in range(round(2.0 / PERIOD)):
         made.step()
     factor = made.read().t / (time.process_time() - began)
-    return Row("plant, in steps of 1 ms", "10", f"{factor:.0f} times real time", factor >= 10.0)
+    return Row(SPEED, "10", f"{factor:.0f} times real time", factor >= 10.0)
 
 
 CLAIMS: tuple[Claim, ...] = ()

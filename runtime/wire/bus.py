@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, suppress
 from queue import Empty, SimpleQueue
 from threading import Thread
+from threading import enumerate as enumerate_threads
 from typing import NamedTuple
 
 import zenoh
@@ -27,6 +28,7 @@ from runtime.wire.zenoh_internals.callbacks import CallbackSubscriber, SampleQue
 
 _LINGER = 0.1  # [s] that an answer has to leave before the bus is closed: closing drops what waits
 _CLOSES = 0.5  # [s] that closing may take: Zenoh waits for attempts to connect to whoever hangs
+_CLOSING = "closing a bus"  # the thread that does that
 _LATER = 0.5  # [s] after which a query that Zenoh has not given up by itself is given up
 
 
@@ -63,6 +65,14 @@ class Publisher:
             self._publisher.put(packed)
         except zenoh.ZError as error:
             raise BusError(f"the bus is closed: {error}") from None
+
+
+def is_closing() -> bool:
+    """Tell whether a bus still closes that `Bus.close` has given up.
+
+    Should that end while Python does, it aborts the process: Zenoh's code cannot be unwound.
+    """
+    return any(thread.name == _CLOSING for thread in enumerate_threads())
 
 
 def send_together(messages: Sequence[tuple[Publisher, Message]]) -> None:
@@ -133,7 +143,7 @@ class Bus(AbstractContextManager["Bus"]):
     def close(self) -> None:
         """Leave the bus: a loop that waits for messages ends with `BusError`."""
         time.sleep(max(self._asked + _LINGER - time.monotonic(), 0.0))
-        closing = Thread(target=self._session.close, name="closing", daemon=True)
+        closing = Thread(target=self._session.close, name=_CLOSING, daemon=True)
         closing.start()
         closing.join(_CLOSES)
 

@@ -123,3 +123,27 @@ def test_a_closed_pipe_is_no_error() -> None:
     result = subprocess.run(program, cwd=ROOT, stdout=write, stderr=subprocess.PIPE, text=True)
     os.close(write)
     assert (result.returncode, result.stderr) == (0, "")
+
+
+@pytest.mark.parametrize(("takes", "said"), [(0.0, "Python ends\n"), (60.0, "")])
+def test_a_command_ends_at_once_while_a_bus_of_it_still_closes(takes: float, said: str) -> None:
+    """Zenoh closes a bus for seconds where a process hangs, and aborts a Python that has ended."""
+    program = f"""
+import atexit, math, sys, time
+from types import SimpleNamespace
+from runtime import cli
+from runtime.wire.bus import Bus
+
+def run(*_):
+    bus = Bus.__new__(Bus)
+    bus._asked, bus._session = -math.inf, SimpleNamespace(close=lambda: time.sleep({takes}))
+    bus.close()
+    return 7
+
+cli._run = run
+atexit.register(print, "Python ends")
+sys.exit(cli.main(["any"]))
+"""
+    command = [sys.executable, "-c", program]
+    result = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    assert (result.returncode, result.stdout, result.stderr) == (7, said, "")

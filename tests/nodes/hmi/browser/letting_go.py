@@ -12,7 +12,7 @@ SHOW = """() => {
   document.dispatchEvent(new Event('visibilitychange'));
 }"""
 NOTES = """() => {
-  Object.assign(window, {jogsAfter: 0, armed: false, over: false});
+  Object.assign(window, {jogsAfter: 0, armed: false, over: false, heldThen: false});
   const {send} = WebSocket.prototype;
   WebSocket.prototype.send = function (text) {
     if (over && JSON.parse(text).type === 'jog') jogsAfter += 1;
@@ -20,12 +20,16 @@ NOTES = """() => {
   };
   for (const kind of ['pointerup', 'pointerdown', 'keyup', 'contextmenu', 'blur',
                       'visibilitychange', 'unplugged']) {
-    addEventListener(kind, () => over ||= armed, {capture: true});
+    addEventListener(kind, () => {
+      if (armed && !over) heldThen = document.querySelector('[data-move].held') !== null;
+      over ||= armed;
+    }, {capture: true});
   }
 }"""
 """Counts in `jogsAfter` what the page sends of a held button after the event that lets go of it.
 
-That is the first one after `armed` was set.
+That is the first one after `armed` was set. Whether a button was still held then is in `heldThen`:
+on a busy machine a press may end before.
 """
 CLOCK = """() => {
   window.said = [];

@@ -24,7 +24,7 @@ from tests.nodes.hmi.browser.letting_go import (
     touch,
     unconfirmed,
 )
-from tests.nodes.hmi.browser.robot import RobotWithPage, robot_with_page
+from tests.nodes.hmi.browser.robot import Place, RobotWithPage, robot_with_page
 from tests.nodes.hmi.browser.stalling import network
 from tests.runtime.conftest import wait_for
 
@@ -32,6 +32,7 @@ CONFIRMED = 200  # [ms] from the click of STOP to the robot's word, in the media
 UNCONFIRMED = 100  # [ms] from half a second after the click to NOT CONFIRMED, by the page's clock
 CORE, MEMORY = 0.10, 60e6  # share of a core, and [bytes] with all of what it shares with others
 WATCHED = 3.0  # [s] for which that is measured
+ARM = "armed = true, over = false, jogsAfter = 0"
 AGAIN = 3.0  # [s] after which a request that had no effect is made again
 
 
@@ -130,6 +131,10 @@ def let_go_of(robot: RobotWithPage, let_go: Callable[[], object]) -> None:
     """
     since = robot.now
     let_go()
+    is_still_soon(robot, since)
+
+
+def is_still_soon(robot: RobotWithPage, since: Place) -> None:
     rest = robot.comes_to_rest(since)
     robot.wait_press_over(since)
     robot.was_still_soon(rest)
@@ -138,7 +143,7 @@ def let_go_of(robot: RobotWithPage, let_go: Callable[[], object]) -> None:
 @contextmanager
 def sends_no_more(page: Any, most: int = 0) -> Iterator[None]:
     """Check that after the event that lets go the page sends nothing more, or so little more."""
-    page.evaluate("armed = true, over = false, jogsAfter = 0")
+    page.evaluate(ARM)
     yield
     assert page.evaluate("over"), "the page has seen no event"
     assert page.evaluate("jogsAfter") <= most
@@ -167,11 +172,21 @@ def test_the_robot_is_still_after_the_tab_is_closed(browser: Any, robot: RobotWi
 
 def test_the_robot_is_still_after_a_second_finger(browser: Any, robot: RobotWithPage) -> None:
     with driver(browser, robot, **PHONE) as page:
-        robot.moves(page, "forward", "touch")
-        fingers = [middle(page.locator(f"[data-move={move}]")) for move in ("forward", "left")]
-        with sends_no_more(page):
-            let_go_of(robot, partial(touch, page, "touchStart", *fingers))
-        touch(page, "touchEnd")
+
+        def is_still_after_it() -> bool:
+            robot.moves(page, "forward", "touch")
+            buttons = [page.locator(f"[data-move={move}]") for move in ("forward", "left")]
+            since = robot.now
+            page.evaluate(ARM)
+            touch(page, "touchStart", *map(middle, buttons))
+            held: bool = page.evaluate("heldThen")  # else it was the finger of a new press
+            if held:
+                is_still_soon(robot, since)
+                assert page.evaluate("jogsAfter") == 0
+            touch(page, "touchEnd")
+            return held
+
+        wait_for(is_still_after_it, "a second finger while a button is held")
 
 
 def test_the_robot_is_still_after_the_renderer_crashes(other: Any, robot: RobotWithPage) -> None:
