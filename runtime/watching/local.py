@@ -51,8 +51,9 @@ def silent_roles(bus: Bus, target: Target) -> dict[str, str]:
     for run in target.runs[:1]:
         for role in load(run / "deployment.yaml", only_role=topics.PLANT).roles:
             if role not in answering:
-                there = processes_in(target.run_with(role), role)
-                silent[role] = f"hangs, process {there[-1].pid}" if there else "is not there"
+                silent[role] = "is not there"
+                if there := processes_in(target.run_with(role), role):
+                    silent[role] = f"does not answer, process {there[-1].pid}"
     return silent
 
 

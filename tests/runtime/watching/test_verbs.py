@@ -93,8 +93,8 @@ def test_reviving_imports_no_more_than_it_needs(
 def test_what_hangs_is_shown_and_can_be_killed(running: Robot) -> None:
     pid = running.pid("joint/6")
     os.kill(pid, signal.SIGSTOP)
-    hangs = f"joint/6: hangs, process {pid}"
-    wait_for(lambda: hangs in running.tool("status").stdout, "status to say that it hangs")
+    silent = f"joint/6: does not answer, process {pid}"
+    wait_for(lambda: silent in running.tool("status").stdout, "status to say that it is silent")
     assert running.tool("kill", "joint/6").returncode == 0
     assert running.tool("revive", "joint/6").returncode == 0
 
