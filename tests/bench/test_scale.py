@@ -23,10 +23,13 @@ def test_a_long_arm_starts_at_its_goal(joints: int, tmp_path: Path) -> None:
 
 def test_an_arm_is_measured_as_full_mesh_and_as_star(tmp_path: Path) -> None:
     bench = ScaleBench((5,), hosts=False)
-    result = bench.measure(0.2, Progress())
-    (full,), (star,) = result.data[FULL], result.data[STAR]
-    assert full["links"] == 28  # of seven processes and the launcher, each to each
-    assert star["links"] == 28 - 10  # none between two of the five agents
+    expected = 28, 28 - 10  # of 7 processes and the launcher; none between two of the five agents
+    for _ in range(3):  # a busy machine may not have made all connections when they are counted
+        result = bench.measure(0.2, Progress())
+        (full,), (star,) = result.data[FULL], result.data[STAR]
+        if (full["links"], star["links"]) == expected:
+            break
+    assert (full["links"], star["links"]) == expected
     for one in (full, star):
         assert one["off"] < NEAR
         assert 0 < one["answered"] <= one["due"]

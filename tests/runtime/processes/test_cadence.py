@@ -143,7 +143,7 @@ def test_in_between_the_last_decision_changes_as_the_agent_says(processes: Proce
 
 
 def test_no_state_waits_for_a_thought(processes: ProcessGroup) -> None:
-    agent = Counts(takes=0.02)
+    agent = Counts(takes=0.1)  # in which even a busy machine's plant has some more states
 
     def meanwhile(said: list[JointCommand]) -> bool:
         """Whether thirty states were answered while a decision on an earlier one was made."""

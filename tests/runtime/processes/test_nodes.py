@@ -79,7 +79,7 @@ def test_a_node_is_killed_hung_and_revived_as_every_process_and_disturbs_no_run(
 
 
 def test_a_message_of_a_node_reaches_a_tool(robot: Robot) -> None:
-    launch(robot)
+    launch(robot, "--duration", "10min")
     wait_for(lambda: "has seen 6 joints" in robot.tool("status").stdout, "the node to be shown")
     heard = robot.tool("echo", "camera/hand", "-n", "1")
     assert '"camera/hand"' in heard.stdout, heard.stdout + heard.stderr
