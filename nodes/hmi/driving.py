@@ -93,6 +93,7 @@ class Driving:
         self._grip = grip_axes(robot)
         self._has_gripper_agent = has_gripper_agent
         self._led: LedGoal | None = None
+        self._strayed = 0.0  # of the presses before: see `LedGoal`
         self._wanted_grip: WantedGrip | None = None
         self._start: Place = seen.place
         self._explained = False  # that this press does not get on
@@ -175,7 +176,8 @@ class Driving:
         self._start, self._explained = self.seen.place, False
         self._led = self._wanted_grip = None
         if press.jog.mode == "shared" and self.seen.hand is not None:
-            self._led = LedGoal(self.seen.hand, now, self._times.lease, press.jog.step)
+            lease, step = self._times.lease, press.jog.step
+            self._led = LedGoal(self.seen.hand, now, lease, step, self._strayed)
 
     def _move_hand(self, press: Press, painted: float, now: float) -> None:
         """Move the goal ahead of the hand."""
@@ -302,6 +304,8 @@ class Driving:
                 if press.jog.mode == "shared" and self.seen.hand is not None:
                     self._link.stand(pose_of(self.seen.hand), self.seen.t)
                     self._settles_until = now + _SETTLES
+                if self._led is not None:
+                    self._strayed = self._led.strayed
                 self._led = None
 
     def _params(self, why: str) -> dict[str, str | float | int]:

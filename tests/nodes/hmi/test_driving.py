@@ -100,6 +100,19 @@ def test_at_the_release_the_goal_is_where_the_hand_is_and_follows_it_until_that_
     assert len(case.link.stood) == count
 
 
+def test_the_press_after_one_in_which_the_hand_strayed_begins_slowly() -> None:
+    case = Case()
+    case.driving.jog(1, FORWARD, 0.1)
+    at_full_speed = case.link.goals[-1].motion.linear[0]
+    off = Hand(np.array([0.3, 0.05, 0.8]), HAND.orientation)
+    case.driving.look(SEEN._replace(hand=off), 0.15)
+    case.driving.jog(1, FORWARD, 0.15)
+    case.driving.let_go(1, 1, 0.2)
+    case.driving.jog(1, replace(FORWARD, press=2), 0.25)
+    assert case.driving.press_of(1) == 2
+    assert 0.0 < case.link.goals[-1].motion.linear[0] < 0.01 * at_full_speed
+
+
 @pytest.mark.parametrize(
     ("seen", "why"),
     [
