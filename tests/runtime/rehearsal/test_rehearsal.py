@@ -73,7 +73,7 @@ def test_hosts_that_are_cut_off_are_commanded_again_soon_after_they_are_back(
     beside_the_plant = ("--set", "agents.joint/4.host=robot")
     finish(rehearse(robot, "--duration", "14s", "--partition", "arm@2:4s", *beside_the_plant))
     others = silences(robot, [3, PLATFORM])  # on a busy machine there may be some, but shorter
-    assert all(again - last < 3.0 for last, again in others)
+    assert [(last, again) for last, again in others if again - last >= 3.0] == []
     gaps = silences(robot, set(MOTORS) - {3, PLATFORM})
     last, again = max(gaps, key=lambda gap: gap[1] - gap[0])
     assert 2.0 < last < 3.0
