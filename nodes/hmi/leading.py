@@ -37,7 +37,7 @@ YIELDS = 0.1
 Trade-off: with twice as much hands of broken robots stand more often, with half of it those of
 sound ones tilt more.
 """
-STRAYS = 1.5
+DEVIATES = 1.5
 """How far beside its line a hand may come, of `SLACK` and counted `BESIDE` times, and the next goal
 still begins at full speed; at one `SLACK` more it begins at rest.
 
@@ -46,10 +46,10 @@ sides, and 17 of 360 places take more than a minute, in place of 12.
 """
 STARTS = 1.0
 """[s] in which a goal that begins slower comes to its full speed; twice as long does as well."""
-REMEMBERS = 0.7
-"""Share that the next press keeps of what hands have strayed, if it strays less itself.
+KEEPS = 0.7
+"""Share that the next press keeps of how far hands have deviated, if it deviates less itself.
 
-Chosen: with `STRAYS` 1 broken robots keep to 373 of 384 sides; if it forgets at once, to 371.
+Chosen: with `DEVIATES` 1 broken robots keep to 373 of 384 sides; if it forgets at once, to 371.
 """
 WAITS = 1e-3
 """Share of its speed that a goal has that waits: if it stood, joints would try moves by chance."""
@@ -150,11 +150,11 @@ class LedGoal:
     line meanwhile.
 
     A hand that leaves its line mostly does so as it starts: the platform turns for what it is to go
-    on to, and swings the hand before that is seen. So while hands have strayed of late, in presses
+    on to, and swings the hand before that is seen. So while hands have deviated of late, in presses
     before this one, the goal comes to its full speed over `STARTS`: with p the largest
-    b / `SLACK`, of which each press keeps the share `REMEMBERS`, and t since its begin,
+    b / `SLACK`, of which each press keeps the share `KEEPS`, and t since its begin,
 
-        c <= 1 - min(max(p - `STRAYS`, 0), 1) (1 - t / `STARTS`).
+        c <= 1 - min(max(p - `DEVIATES`, 0), 1) (1 - t / `STARTS`).
 
     A robot with broken joints cannot always go on and keep its hand turned as it was. It is to go
     where it was sent first: phi fades in the time `YIELDS` / ((|e| / SLACK)^2 (1 - c)^4): where the
@@ -165,10 +165,10 @@ class LedGoal:
         now: When that is [s].
         lease: For how long the goal moves on by itself [s].
         step: Where a bounded step ends [m, or rad if it only turns]; None without a bound.
-        strayed: p, of the presses before.
+        deviation: p, of the presses before.
 
     Attributes:
-        strayed: p, for the press after this one.
+        deviation: p, for the press after this one.
     """
 
     def __init__(
@@ -177,13 +177,13 @@ class LedGoal:
         now: float,
         lease: float,
         step: float | None = None,
-        strayed: float = 0.0,
+        deviation: float = 0.0,
     ) -> None:
         self._start = self._goal = self._hand = hand
         self._began = self._last = now
         self._lease, self._step = lease, step
-        self._lacks = min(max(strayed - STRAYS, 0.0), 1.0)  # at first, of its full speed
-        self.strayed = REMEMBERS * strayed
+        self._lacks = min(max(deviation - DEVIATES, 0.0), 1.0)  # at first, of its full speed
+        self.deviation = KEEPS * deviation
         self._motion = Motion(np.zeros(3), np.zeros(3))
         self._share = 1.0  # c
         self._pace = self._lately = 1.0  # the share of what moves, and that as of late
@@ -212,7 +212,7 @@ class LedGoal:
         along, beside = _parts(late - self._going * self._lease, motion.linear)
         beside *= BESIDE
         way = float(np.linalg.norm(motion.linear)) * self._lease
-        self.strayed = max(self.strayed, beside / SLACK)
+        self.deviation = max(self.deviation, beside / SLACK)
         most = 1.0 - self._lacks * max(1.0 - (now - self._began) / STARTS, 0.0)
         self._share = share = max(min(_share(along, beside, way), most), WAITS)
         turning = min(share, max(1.0 - float(np.linalg.norm(off)) / LEASH_TURN, WAITS))

@@ -100,7 +100,7 @@ def test_at_the_release_the_goal_is_where_the_hand_is_and_follows_it_until_that_
     assert len(case.link.stood) == count
 
 
-def test_the_press_after_one_in_which_the_hand_strayed_begins_slowly() -> None:
+def test_the_press_after_one_in_which_the_hand_deviated_begins_slowly() -> None:
     case = Case()
     case.driving.jog(1, FORWARD, 0.1)
     at_full_speed = case.link.goals[-1].motion.linear[0]

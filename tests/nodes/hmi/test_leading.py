@@ -9,12 +9,12 @@ from nodes.hmi import leading
 from nodes.hmi.jogging import Hand, Motion
 from nodes.hmi.leading import (
     BESIDE,
+    DEVIATES,
     EASES,
     LEASH,
     LEASH_TURN,
     SLACK,
     STARTS,
-    STRAYS,
     WAITS,
     LedGoal,
 )
@@ -100,35 +100,35 @@ def test_a_goal_that_waits_for_a_hand_on_its_line_says_that_it_goes_on() -> None
     assert piece.pose.position == pytest.approx(before.position, abs=1e-4)
 
 
-def test_a_goal_begins_slowly_while_hands_have_strayed_of_late() -> None:
+def test_a_goal_begins_slowly_while_hands_have_deviated_of_late() -> None:
     sound, goal = LedGoal(START, 0.0, LEASE), LedGoal(START, 0.0, LEASE)
     lead(sound, FORWARD, 0.2, velocity=FORWARD.linear)
     lead(goal, FORWARD, 0.2, velocity=np.array([0.1, 0.1, 0.0]))
-    assert sound.strayed < STRAYS < goal.strayed - 1.0
+    assert sound.deviation < DEVIATES < goal.deviation - 1.0
 
-    def speeds(strayed: float) -> list[float]:
-        """How fast a goal goes whose hand keeps up with it, after presses that strayed so far."""
-        led, hand = LedGoal(START, 0.0, LEASE, strayed=strayed), START
+    def speeds(deviation: float) -> list[float]:
+        """How fast a goal goes whose hand keeps up with it, after presses that deviated so far."""
+        led, hand = LedGoal(START, 0.0, LEASE, deviation=deviation), START
         pieces = []
         for turn in range(30):
             pieces.append(led.advance(FORWARD, hand, turn * 0.05))
             hand = pieces[-1].pose
         return [piece.motion.linear[0] / 0.15 for piece in pieces]
 
-    assert speeds(sound.strayed)[0] > 0.9
-    slow = speeds(goal.strayed)
+    assert speeds(sound.deviation)[0] > 0.9
+    slow = speeds(goal.deviation)
     assert slow[0] == pytest.approx(WAITS)
     assert max(slow[1 : round(0.5 * STARTS / 0.05)]) <= 0.5
     assert max(slow) == slow[-1] > 0.9
 
 
-def test_that_hands_have_strayed_is_forgotten_press_by_press() -> None:
-    strayed = [10.0 * STRAYS]
-    while strayed[-1] > STRAYS:
-        goal = LedGoal(START, 0.0, LEASE, strayed=strayed[-1])
+def test_that_hands_have_deviated_is_forgotten_press_by_press() -> None:
+    deviations = [10.0 * DEVIATES]
+    while deviations[-1] > DEVIATES:
+        goal = LedGoal(START, 0.0, LEASE, deviation=deviations[-1])
         lead(goal, FORWARD, 0.5, velocity=0.5 * FORWARD.linear)
-        strayed.append(goal.strayed)
-    assert 3 < len(strayed) < 10
+        deviations.append(goal.deviation)
+    assert 3 < len(deviations) < 10
 
 
 def test_the_goal_waits_before_a_hand_has_deviated_that_is_about_to() -> None:

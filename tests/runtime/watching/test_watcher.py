@@ -1,7 +1,6 @@
 import os
 import signal
 import socket
-import struct
 from contextlib import suppress
 
 import pytest
@@ -13,6 +12,7 @@ from runtime.watching.watcher import View, Watcher, goal_at
 from runtime.wire import topics
 from runtime.wire.messages import GoalMessage
 from tests.runtime.conftest import ProcessGroup, wait_for
+from tests.runtime.wire.test_transport import lingers
 
 GOAL = GoalMessage(0.0, (1.0, 2.0, 3.0), (0.1, 0.0, -0.1), since=2.0, until=4.0)
 
@@ -135,8 +135,7 @@ def lingering() -> int:
         with suppress(OSError):  # it is not a connection, or closed by now
             connection = socket.socket(socket.AF_INET, socket.SOCK_STREAM, fileno=int(name))
             try:
-                option = connection.getsockopt(socket.SOL_SOCKET, socket.SO_LINGER, 8)
-                count += bool(struct.unpack("ii", option)[0])
+                count += lingers(connection)
             finally:
                 connection.detach()
     return count
