@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from importlib.util import find_spec
 from pathlib import Path
+from typing import NoReturn
 
 from plant.errors import MsmaError
 from runtime.errors import exit_code, valid_are
@@ -21,16 +22,24 @@ Run `msma COMMAND --help` for the arguments of a command.
 exit codes: 0 success, 1 failure at run time, 2 bad input, 3 goal not reached, 130 interrupted"""
 
 
-def main(argv: Sequence[str] | None = None) -> int:
-    """Run `msma VERB ...`, by default with this process's arguments; return its exit code."""
+def main(argv: Sequence[str]) -> int:
+    """Run `msma VERB ...`; return its exit code."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # for small arrays
-    verb, *rest = (sys.argv[1:] if argv is None else argv) or [""]
+    verb, *rest = argv or [""]
     if verb in ("", "-h", "--help"):
         print(_help())
         return 0 if verb else 2
-    code = exit_code(lambda: _run(verb, rest))
-    _leave_if_closing(code)
-    return code
+    return exit_code(lambda: _run(verb, rest))
+
+
+def msma() -> NoReturn:
+    """Be the command `msma`: run what this process's arguments say, and end the process."""
+    _end(main(sys.argv[1:]))
+
+
+def launch() -> NoReturn:
+    """Be the command `msma-launch ...`, which is `msma launch ...`."""
+    _end(main(["launch", *sys.argv[1:]]))
 
 
 def _run(verb: str, arguments: Sequence[str]) -> int:
@@ -42,19 +51,15 @@ def _run(verb: str, arguments: Sequence[str]) -> int:
     return code
 
 
-def _leave_if_closing(code: int) -> None:
-    """End this process at once if a bus of it still closes, which Python does not survive."""
+def _end(code: int) -> NoReturn:
+    """End this process, at once if a bus of it still closes: Python would be aborted as it ends."""
     bus = sys.modules.get("runtime.wire.bus")
     if bus is not None and bus.is_closing():
         with suppress(OSError):
             sys.stdout.flush()
             sys.stderr.flush()
         os._exit(code)
-
-
-def launch() -> int:
-    """Run `msma-launch ...`, which is `msma launch ...`."""
-    return main(["launch", *sys.argv[1:]])
+    sys.exit(code)
 
 
 def _module(verb: str) -> str:
@@ -104,4 +109,4 @@ def _docstring(module: str) -> str:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    msma()
