@@ -18,7 +18,7 @@ from runtime.wire.topics import PLANT
 
 _SPARE = 60.0  # [s] that a run may take longer than planned
 _POLL = 0.02  # [s] between two reads of a log
-_MAIN = "import sys; {first}from runtime.cli import main; sys.exit(main(sys.argv[1:]))"
+_MAIN = "{first}from runtime.cli import msma; msma()"
 _STAR = "from bench.launched import use_star_topology; use_star_topology(); "
 _HUBS = 2  # the first roles of a deployment: the plant and the goal source
 

@@ -14,7 +14,7 @@ from runtime.results.run_log import RunLog, read_run_log
 from runtime.results.summary import MISSED
 
 ROOT = Path(__file__).parent.parent
-MAIN = "import sys; from runtime.cli import main; sys.exit(main(sys.argv[1:]))"
+MAIN = "from runtime.cli import msma; msma()"
 TIMEOUT = 120.0
 """Longest real time of one run [s]."""
 

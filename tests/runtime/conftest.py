@@ -60,7 +60,7 @@ class ProcessGroup:
     def __init__(self, folder: Path, robot: str, port: int, stack: ExitStack) -> None:
         self.robot, self.port, self.run = robot, port, folder / "run"
         self.file = ROOT / "deploy" / "arph.yaml"
-        self.options: list[str] = ["--set", "patience=20s"]
+        self.options = ["--set", "patience=20s", "--scheduling", "normal"]
         self._stack = stack
         self.all: dict[str, subprocess.Popen[str]] = {}
 
@@ -71,7 +71,7 @@ class ProcessGroup:
             command = ["agent", str(self.file), role, "--robot", self.robot, *self.options, *more]
             command += ["--set", f"port={self.port}"]
             process = subprocess.Popen(
-                [sys.executable, "-c", "from runtime.cli import main; exit(main())", *command],
+                [sys.executable, "-c", "from runtime.cli import msma; msma()", *command],
                 cwd=ROOT,
                 stderr=subprocess.PIPE,
                 text=True,
@@ -109,9 +109,17 @@ class ProcessGroup:
 
 
 def _command(arguments: Sequence[str]) -> list[str]:
-    """Return the command line of `msma`: what is launched has `TOLERANCE` if no other is given."""
-    wide = arguments[0] in ("launch", "chaos") and "tolerance=" not in " ".join(arguments)
-    more = ("--set", f"tolerance={TOLERANCE} m") if wide else ()
+    """Return the command line of `msma`: what is launched has `TOLERANCE` if no other is given.
+
+    It has normal priority likewise, or as root the robots of several tests at once would leave nothing
+    to other tests' browsers and tools; but for a rehearsal, whose hosts share this machine.
+    """
+    more: tuple[str, ...] = ()
+    if arguments[0] in ("launch", "chaos"):
+        if "tolerance=" not in " ".join(arguments):
+            more += ("--set", f"tolerance={TOLERANCE} m")
+        if not {"--scheduling", "--rehearse"} & set(arguments):
+            more += ("--scheduling", "normal")
     return [sys.executable, "-m", "runtime.cli", *arguments, *more]
 
 

@@ -63,7 +63,7 @@ def test_a_run_that_misses_is_reported_with_the_command_that_repeats_it(
     (tmp_path / "lame.py").write_text(LAME)
     options = ["--robot", robot.name, *SHORT]
     options += ["--set", f"modules={tmp_path}", "--set", "agents.platform.class=lame:Lame"]
-    options += ["--set", "tolerance=3 mm"]
+    options += ["--set", "tolerance=3 mm", "--scheduling", "normal"]
     done = robot.msma("chaos", FILE, *options, "--runs", "1", "--seed", "7")
     assert done.returncode == 3, done.stdout + done.stderr
     _, first = report(robot)

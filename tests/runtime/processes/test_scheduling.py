@@ -14,6 +14,7 @@ from runtime.results.logs import read_log
 from tests.runtime.conftest import ProcessGroup, wait_for
 
 REALTIME = os.SCHED_RR | os.SCHED_RESET_ON_FORK
+AUTO = ["--scheduling", "auto"]
 SPINS = "class: spinning:Spinning"
 SPINNING = """
 from agents.agent import Agent, Body, Percepts
@@ -57,6 +58,7 @@ def policies(pid: int) -> list[int]:
 def test_a_robots_processes_have_real_time_priority_where_it_is_granted(
     processes: ProcessGroup,
 ) -> None:
+    processes.options += AUTO
     processes.start("plant", "goal", "joint/2")
     bus = processes.visit()
     for role in ("plant", "goal", "joint/2"):
@@ -71,7 +73,7 @@ def test_a_robots_processes_have_real_time_priority_where_it_is_granted(
 @granted
 def test_the_page_leaves_the_processors_to_the_robot(processes: ProcessGroup) -> None:
     page = "nodes.+={role: hmi, class: nodes.hmi.page:Page}"
-    processes.options += ["--set", page, "--set", "start.mode=automatic"]
+    processes.options += [*AUTO, "--set", page, "--set", "start.mode=automatic"]
     processes.start("plant", "hmi")
     bus = processes.visit()
     plant = processes.until(bus, "plant", lambda diag: True, "it answers")
@@ -129,6 +131,7 @@ def test_an_agent_that_never_pauses_loses_its_real_time_priority(processes: Proc
     text = processes.file.read_text()
     file.write_text(text.replace("joint/2, class: agents.joint:JointAgent", "joint/2, " + SPINS))
     processes.file = file
+    processes.options += AUTO
     processes.start("plant", "goal", "joint/1", "joint/2")
     wait_for(lambda: read_log(processes.run, "joint/2", "scheduling"), "it to be logged", 30.0)
     assert REALTIME not in policies(processes.all["joint/2"].pid)
