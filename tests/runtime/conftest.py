@@ -111,8 +111,8 @@ class ProcessGroup:
 def _command(arguments: Sequence[str]) -> list[str]:
     """Return the command line of `msma`: what is launched has `TOLERANCE` if no other is given.
 
-    It has normal priority likewise, or as root the robots of several tests at once would leave nothing
-    to other tests' browsers and tools; but for a rehearsal, whose hosts share this machine.
+    It has normal priority likewise, or as root the robots of several tests at once would leave
+    nothing to other tests' browsers and tools; but for a rehearsal, whose hosts share this machine.
     """
     more: tuple[str, ...] = ()
     if arguments[0] in ("launch", "chaos"):
