@@ -104,7 +104,9 @@ def run(
         def check_all_alive() -> None:
             for role, pid in pids.items():
                 if not is_alive(pid):
-                    raise BenchError(f"{role} ended while it was measured: {commands[role]}")
+                    said = errors.read_text().splitlines()[-1:] if errors else []
+                    ended = f"{role} ended while it was measured: {commands[role]}"
+                    raise BenchError(": ".join([ended, *said]))
 
         await_event(forkserver.stdout, GO, PATIENCE + SPARE, check_all_alive)
         ready = time.monotonic() - began - SETTLE

@@ -10,6 +10,7 @@ from runtime.wire import topics
 from runtime.wire.bus import Bus
 
 _PATIENCE = 3.0  # [s] for all processes to end
+_CONNECTS = 2.0  # [s] for the process of a role to connect, on a busy machine
 _LATE = 0.3  # [s] after which none is expected that connects so late that it was not asked yet
 
 
@@ -23,10 +24,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Request the stop, again as long as any runs, and wait until the processes have ended."""
     with visit(target_of(args)) as bus:
-        wanted = left = _alive(bus, args.role)
-        if not wanted:
-            raise RunError(f"no {args.role} runs")
-        control, began = Control(bus), time.monotonic()
+        began = time.monotonic()
+        while not (wanted := _alive(bus, args.role)):  # some other role is there
+            if time.monotonic() > began + _CONNECTS:
+                raise RunError(f"no {args.role} runs")
+            time.sleep(0.05)
+        left, control, began = wanted, Control(bus), time.monotonic()
         ended = began
         while (now := time.monotonic()) < began + _PATIENCE and (left or now < ended + _LATE):
             if left:

@@ -173,14 +173,14 @@ def test_a_cup_is_fetched_though_goal_source_and_gripper_agent_are_killed(robot:
 def test_a_standby_goes_on_with_the_task_of_a_goal_source_that_is_killed(robot: Robot) -> None:
     kinematic = "plant.class=plant.kinematic:KinematicPlant"
     more = ("--set", kinematic, "--kill", "goal@5", "--duration", "600s")
-    robot.launch("--speed", "4", *more, file="fetch.yaml")
+    robot.launch("--speed", "2", *more, file="fetch.yaml")
     robot.until(7.0)
     assert len(robot.log("goal", "start")) == 2
 
     def is_held() -> bool:
         return bool(robot.log("plant", "gripper"))
 
-    wait_for(is_held, "the cup to be taken")
+    wait_for(is_held, "the cup to be taken", RUN_DEADLINE)
     taken = robot.log("plant", "gripper")[0]["t"]
     then = next(tick for tick in robot.log("plant", "tick") if tick["t"] >= taken - 1e-9)
     assert math.dist(then["hand"][:2], (1.28, -0.2)) < 0.05
