@@ -22,10 +22,10 @@ Run `msma COMMAND --help` for the arguments of a command.
 exit codes: 0 success, 1 failure at run time, 2 bad input, 3 goal not reached, 130 interrupted"""
 
 
-def main(argv: Sequence[str]) -> int:
-    """Run `msma VERB ...`; return its exit code."""
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run `msma VERB ...`, by default with this process's arguments; return its exit code."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # for small arrays
-    verb, *rest = argv or [""]
+    verb, *rest = (sys.argv[1:] if argv is None else argv) or [""]
     if verb in ("", "-h", "--help"):
         print(_help())
         return 0 if verb else 2
@@ -34,7 +34,7 @@ def main(argv: Sequence[str]) -> int:
 
 def msma() -> NoReturn:
     """Be the command `msma`: run what this process's arguments say, and end the process."""
-    _end(main(sys.argv[1:]))
+    _end(main())
 
 
 def launch() -> NoReturn:

@@ -29,6 +29,7 @@ from runtime.wire.zenoh_internals.callbacks import CallbackSubscriber, SampleQue
 _LINGER = 0.1  # [s] that an answer has to leave before the bus is closed: closing drops what waits
 _CLOSES = 0.5  # [s] that closing may take: Zenoh waits for attempts to connect to whoever hangs
 _CLOSING = "closing a bus"  # the thread that does that
+_BY_ZENOH = zenoh.Encoding.ZENOH_STRING  # of the error that it makes up for whoever is late
 _LATER = 0.5  # [s] after which a query that Zenoh has not given up by itself is given up
 
 
@@ -251,7 +252,7 @@ class Bus(AbstractContextManager["Bus"]):
                 answered = str(reply.ok.key_expr)
                 if not self._named or _meant_for(reply.ok.attachment, answered):
                     yield Answer(answered, data_of(reply.ok.payload), True)
-            elif reply.err is not None:
+            elif reply.err is not None and reply.err.encoding != _BY_ZENOH:
                 yield Answer(key, data_of(reply.err.payload), False)
 
 

@@ -243,6 +243,16 @@ def test_an_answer_that_was_sent_on_another_key_is_none(network: Network) -> Non
     assert [answer.data for answer in tool.ask(topics.EVERY_DIAG)] == [b"sound"]
 
 
+def test_an_answer_that_comes_too_late_is_none(network: Network) -> None:
+    """It is neither a yes nor a no: who asks for a halt asks again."""
+    here, tool = network.join(0), network.visit()
+    kept: list[zenoh.Query] = []
+    here._session.declare_queryable(topics.HALT, kept.append)
+    wait_for(lambda: tool.ask(topics.HALT, timeout=0.2) or kept, "the question to come")
+    said = [tool.ask(topics.HALT, timeout=0.1) for _ in range(10)]  # Zenoh's word comes mostly
+    assert said == [[]] * 10
+
+
 def test_a_question_that_nobody_answers_gets_no_answers(network: Network) -> None:
     assert network.visit().ask("ctl/nobody/stop", timeout=0.5) == []
 
