@@ -98,18 +98,30 @@ class LineByEye:
     before it learns better. It rests while nothing is missing but what may be trembling.
     """
 
-    WINDOW = 0.05  # [s] least time between two decisions: a hand takes time to answer
-    LAGS = (0.0, 0.5, 1.0, 1.5, 2.0, 2.5)  # windows by which the eye may be late
-    FURTHER = 1.2  # horizons that it looks ahead: what it sees is rougher than what a model tells
-    LATE = 0.7  # of the eye's lag by which it looks further ahead still
-    GAIN = 0.22  # share of the turn asked for that it makes
-    CAUTION = 0.22  # how much an uncertain estimate counts against a large turn
-    DITHER = 0.09  # size of the move by chance, as a share of the one that closes the distance
-    MOST_DITHER = 0.15  # [rad/s]
-    MOST = 0.57  # share of its top speed, so that it learns as fast as its column changes
-    HASTE = 0.84  # of the turn that closes the distance, made within the horizon, at most
-    UNSEEN = 1.6  # [m/rad] of its own turning counts as the hand's, where that is not seen
-    LEAD = 1.0  # [s] of a moving goal's way that counts as distance there
+    WINDOW = 0.05
+    """[s] Least time between two decisions. Chosen: a hand takes that long to answer."""
+    LAGS = 0.0, 0.5, 1.0, 1.5, 2.0, 2.5
+    """[windows] By which the eye may be late. Chosen: a grid up to an eighth of a second."""
+    FURTHER = 1.2
+    """[horizons] That it looks ahead. Searched: what it sees is rougher than what a model tells."""
+    LATE = 0.7
+    """[1] Share of the eye's lag by which it looks further ahead still. Searched."""
+    GAIN = 0.22
+    """[1] b, share of the turn asked for that it makes. Searched: all the others answer too."""
+    CAUTION = 0.22
+    """[1] c, by which an uncertain column counts against a large turn. Searched."""
+    DITHER = 0.09
+    """[1] Size of the move by chance, of the one that closes the distance. Searched."""
+    MOST_DITHER = 0.15
+    """[rad/s] Largest speed of the move by chance. Chosen by hand, not searched."""
+    MOST = 0.57
+    """[1] Share of its top speed. Searched: it learns as fast as its column changes."""
+    HASTE = 0.84
+    """[1] Share of the turn that closes the distance, made within H, at most. Searched."""
+    UNSEEN = 1.6
+    """[m/rad] Of its own turning, that counts as the hand's way: the rest is not seen. Searched."""
+    LEAD = 1.0
+    """[s] Of a moving goal's way, that counts as distance to it. Chosen by hand, not searched."""
 
     def __init__(self, body: Body, *, horizon: float, memory: float, top_speed: float) -> None:
         """Look `horizon` [s] ahead and further, and never turn faster than `top_speed` [rad/s].

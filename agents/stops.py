@@ -15,10 +15,14 @@ class Stops:
     person beside the robot this is an arm that changes sides instead of pushing in vain.
     """
 
-    AT = np.deg2rad(1.0)  # [rad] from a stop that is pressing against it
-    IN_VAIN = np.deg2rad(5.0)  # [rad] beyond a stop that is worth a long way
-    NOTICE = 1.0  # [s] of pressing before it goes
-    URGE = 0.3  # [rad/s] that the other side may be worse, for each second more
+    AT = np.deg2rad(1.0)
+    """[rad] From a stop, within which a joint presses against it. Chosen by hand."""
+    IN_VAIN = np.deg2rad(5.0)
+    """[rad] Beyond a stop, that are worth a long way. Chosen by hand, not searched."""
+    NOTICE = 1.0
+    """[s] Of pressing before it goes. Chosen by hand, not searched."""
+    URGE = 0.3
+    """[rad/s] That the other side may be worse for each second more. Chosen: 3 rad in 10 s."""
 
     def __init__(self, lower: float, upper: float) -> None:
         """Know the range [rad]; infinite for a joint that turns for ever."""

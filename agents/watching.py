@@ -23,10 +23,14 @@ class SteadyEye:
     believed outright.
     """
 
-    PATIENCE = 0.95  # share kept of what is known of the trembling at each sight
-    CHANCE = 0.03  # of the differences' variance: so much of it may look like trembling by chance
-    STILL = 30.0  # motion per trembling above which the eye is believed outright
-    LEAST = 0.1  # share of a surprise that is always believed
+    PATIENCE = 0.95
+    """[1] Share kept of what is known of the trembling at each sight. Chosen: a mean of 20."""
+    CHANCE = 0.03
+    """[1] Of the differences' variance, that may look like trembling by chance. Searched."""
+    STILL = 30.0
+    """[1] Motion per trembling above which the eye is believed outright. Chosen: trust is 0.997."""
+    LEAST = 0.1
+    """[1] Share of a surprise that is always believed. Chosen: it is the mean of some 10."""
 
     def __init__(self) -> None:
         """Have seen nothing yet."""
@@ -83,10 +87,14 @@ class Content:
     rests while the mean of what is missing is explained by trembling, and until it no longer is.
     """
 
-    NEAR = 0.5  # of the trembling: so little missing is as good as none
-    AGAIN = 1.5  # of the trembling: so much missing is too much to rest on
-    MEMORY = 1.0  # [s] of which the mean is taken
-    CALM = 3.0  # times as long while it rests, of the trembling too: nothing then needs haste
+    NEAR = 0.5
+    """[1] Of the trembling, up to which what is missing is as good as none. Chosen by hand."""
+    AGAIN = 1.5
+    """[1] Of the trembling, from which on it no longer rests. Chosen: chance wakes nobody."""
+    MEMORY = 1.0
+    """[s] Of which the mean of what is missing is taken. Chosen: 20 sights."""
+    CALM = 3.0
+    """[1] Times as long while it rests, of the trembling too. Chosen: nothing then needs haste."""
 
     def __init__(self) -> None:
         """Have seen nothing yet."""
@@ -143,18 +151,30 @@ class OwnColumn:
     sudden would decide for long which lag is believed.
     """
 
-    LENGTH = 0.8  # [m/rad] how long the column may be, before anything was seen
-    DOUBT = 0.05  # [m/rad] of one that was told
-    DRIFT = 0.03  # [m/rad per sqrt(s)] how fast the true column may wander while all seems still
-    CARRIED = 1.6  # [1/rad] how far it may wander per distance that the hand goes
-    NOISE = 0.1  # [m/s] of the hand's velocity that may be others' doing, at first
-    PATIENCE = 0.9  # share kept of the noise estimate at each sight
-    FLOOR = 1e-10  # [m2/s2] so that a perfectly still hand divides by something
-    PROMPT = 13.0  # [1/s] how much less likely a late answer is than a prompt one, at first
-    TELLING = 3.0  # power of the trust with which an answer to what was seen tells of its effect
-    LASTING = 0.985  # share kept of the evidence for a lag at each sight
-    WEIGHT = 0.2  # of one sight as evidence: successive sights are not independent
-    TAILS = 2.0  # n: a half with twice the weight does as well
+    LENGTH = 0.8
+    """[m/rad] How long the column may be before anything was seen. Chosen by hand."""
+    DOUBT = 0.05
+    """[m/rad] Of a column that a model told. Chosen: it was told a moment ago."""
+    DRIFT = 0.03
+    """[m/rad per sqrt(s)] How fast the column may wander while all seems still. Searched."""
+    CARRIED = 1.6
+    """[1/rad] How far it may wander per distance that the hand goes. Searched."""
+    NOISE = 0.1
+    """[m/s] Of the hand's velocity that may be others' doing, at first. Chosen by hand."""
+    PATIENCE = 0.9
+    """[1] Share kept of the estimate of that noise at each sight. Searched."""
+    FLOOR = 1e-10
+    """[m2/s2] Of that noise squared, so that a perfectly still hand divides by something."""
+    PROMPT = 13.0
+    """[1/s] By which a late answer is less likely than a prompt one, at first. Searched."""
+    TELLING = 3.0
+    """[1] Power of the trust with which answers to what was seen tell of their effect. Searched."""
+    LASTING = 0.985
+    """[1] Share kept of the evidence for a lag at each sight. Searched: lags may change."""
+    WEIGHT = 0.2
+    """[1] Of one sight as evidence. Searched: successive sights are not independent."""
+    TAILS = 2.0
+    """[1] n of Student's distribution. Searched: a half with twice the weight does as well."""
 
     def __init__(self, lags: Array, size: int, known: Array | None = None) -> None:
         """Know nothing but a length to expect, or what the column is: `known` (..., D) [m/rad].

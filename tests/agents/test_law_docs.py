@@ -1,9 +1,9 @@
 """docs/law.md lists every constant of agents/; `python -m tests.agents.test_law_docs` writes it.
 
-A constant is a name in capitals at the top of a module, with a docstring below it that begins with
-its unit in brackets and says what it means and where it comes from. Defaults of parameters are
-constants too. Any other number in the code counts as one that is not declared, but for those of
-formulas and shapes (0 to 4, a half) and those that keep a division from failing.
+A constant is a name in capitals at the top of a module or class, with a docstring below it that
+begins with its unit in brackets and says what it means and where it comes from. Defaults of
+parameters are constants too. Any other number in the code counts as one that is not declared, but
+for those of formulas and shapes (0 to 4, a half) and those that keep a division from failing.
 """
 
 import ast
@@ -25,7 +25,7 @@ class Constant(NamedTuple):
 
     Attributes:
         file: Name of its module.
-        name: Its name; of a default `Class(parameter)`.
+        name: Its name, `Class.NAME` within a class; of a default `Class(parameter)`.
         value: As in the code.
         text: Its docstring on one line; of a default its line of `Args`.
         numbers: How many numbers it is.
@@ -59,9 +59,11 @@ def numbers(node):
             yield inner
 
 
-def declarations(tree):
-    """Name, expression and docstring of each constant at the top of a module."""
+def declarations(tree, prefix=""):
+    """Node, name, expression and docstring of each constant at the top of a module or class."""
     for node, after in zip(tree.body, [*tree.body[1:], None], strict=True):
+        if isinstance(node, ast.ClassDef):
+            yield from declarations(node, f"{node.name}.")
         if isinstance(node, ast.Assign) and len(node.targets) == 1:
             target, value = node.targets[0], node.value
         elif isinstance(node, ast.AnnAssign) and node.value is not None:
@@ -73,23 +75,24 @@ def declarations(tree):
         doc = ""
         if isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant):
             doc = " ".join(str(after.value.value).split())
-        yield node, target.id, value, doc
+        yield node, prefix + target.id, value, doc
 
 
 def is_number(value):
     """Whether an expression is a number, or a row of numbers."""
     parts = value.elts if isinstance(value, ast.Tuple) else [value]
     plain = (ast.Constant, ast.UnaryOp, ast.BinOp, ast.operator, ast.unaryop, ast.expr_context)
-    of_pi = (ast.Attribute, ast.Name)
+    named = (ast.Attribute, ast.Name, ast.Call)
     return any(number.value != 0 for number in numbers(value)) and all(
-        isinstance(node, plain) or (isinstance(node, of_pi) and _is_pi(node))
+        isinstance(node, plain) or (isinstance(node, named) and _is_of_mathematics(node))
         for part in parts
         for node in ast.walk(part)
     )
 
 
-def _is_pi(node):
-    return ast.unparse(node) in ("np", "np.pi", "math", "math.pi")
+def _is_of_mathematics(node):
+    name = ast.unparse(node.func if isinstance(node, ast.Call) else node)
+    return name in ("np", "np.pi", "math", "math.pi", "np.deg2rad")
 
 
 def declared():
