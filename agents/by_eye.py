@@ -1,8 +1,8 @@
 """The law of a joint that has no model, only an eye on the hand.
 
-It sees the hand as a vector of lengths [m]: its place, and where the goal has an orientation also
-how far it has turned since it was first seen, the sum of its small turns about the axes of the
-world times sqrt(2 k). So one law serves both: docs/law.md has it.
+It sees the hand as a vector of lengths, in reaches of the arm: its place, and where the goal has an
+orientation also how far it has turned since it was first seen, the sum of its small turns about the
+axes of the world times sqrt(2 k). So one law serves both, and arms of any size: docs/law.md has it.
 """
 
 from typing import NamedTuple
@@ -41,27 +41,29 @@ class Told(NamedTuple):
     slides: bool
     speed: Array
 
-    def column(self, lever: float) -> Array:
-        """Return what the hand does when the joint moves: (..., D) [m/rad]; seldom asked for."""
+    def column(self, lever: float, reach: float) -> Array:
+        """Return what the hand does when the joint moves: (..., D) [1/rad]; seldom asked for."""
         axis = self.arm.axes[..., self.joint, :]
         goes = np.cross(axis, self.arm.tip - self.arm.points[..., self.joint, :])
         if self.slides:
             goes, axis = axis, np.zeros_like(axis)
+        goes = goes / reach
         column: Array = np.concatenate([goes, lever * axis], axis=-1) if lever else goes
         return column
 
 
 class Lengths:
-    """The hand and its goal as vectors of D lengths, 3 of place and 3 of turning."""
+    """The hand and its goal as vectors of D lengths, 3 of place and 3 of turning, in reaches."""
 
-    def __init__(self, lever: float) -> None:
-        """Count turns times `lever`, sqrt(2 k) [m/rad]; 0 where they do not matter, and D = 3."""
-        self.lever = lever
+    def __init__(self, lever: float, reach: float) -> None:
+        """Measure by `reach` [m]; count turns times `lever` [1/rad], 0 where D is 3."""
+        self.lever, self.reach = lever, reach
         self._turn: Quaternion | None = None
         self._turned: Array = np.zeros(3)
 
     def of_hand(self, place: Array, turn: Quaternion | None) -> Array:
-        """Return the vector (..., D) [m] of a hand that is seen at `place` (..., 3) [m]."""
+        """Return the vector (..., D) of a hand that is seen at `place` (..., 3) [m]."""
+        place = place / self.reach
         if not self.lever or turn is None:
             return place
         if self._turn is not None:
@@ -73,8 +75,8 @@ class Lengths:
         return np.concatenate([place, self.lever * turned], axis=-1)
 
     def of_goal(self, t: float, goal: Goal) -> tuple[Array, Array]:
-        """Return the vectors (..., D) of where the goal is [m] and how it goes [m/s]."""
-        place, velocity = goal.at(t), goal.velocity_at(t)
+        """Return the vectors (..., D) of where the goal is and how it goes [1/s]."""
+        place, velocity = goal.at(t) / self.reach, goal.velocity_at(t) / self.reach
         if self._turn is None:
             return place, velocity
         off = rotation_vector(MANY, turn_against(MANY, self._turn, aim_at(MANY, goal, t)))
@@ -119,7 +121,8 @@ class LineByEye:
     HASTE = 0.84
     """[1] Share of the turn that closes the distance, made within H, at most. Searched."""
     UNSEEN = 1.6
-    """[m/rad] Of its own turning, that counts as the hand's way: the rest is not seen. Searched."""
+    """[reaches/rad] Of its own turning, that counts as the hand's way where turns are not seen. As
+    LEAD it was not searched."""
     LEAD = 1.0
     """[s] Of a moving goal's way, that counts as distance to it. Chosen by hand, not searched."""
 
@@ -134,12 +137,16 @@ class LineByEye:
         self._top_speed = top_speed
         self._window = max(self.WINDOW, body.period)
         self._told: tuple[Told, ...] = ()
-        self._lever = np.sqrt(2.0) * LEVER * reach_of(body)
+        self._lever, self._reach = np.sqrt(2.0) * LEVER, reach_of(body)
         self._begin(0.0, None)
 
     def _begin(self, lever: float, known: Array | None) -> None:
         lags = np.array(self.LAGS) * self._window
-        self._eye, self._motion, self._lengths = SteadyEye(), OwnMotion(lags), Lengths(lever)
+        self._eye, self._motion, self._lengths = (
+            SteadyEye(),
+            OwnMotion(lags),
+            Lengths(lever, self._reach),
+        )
         self._own = OwnColumn(lags, 3 + 3 if lever else 3, known)
         self._t: float | None = None
         self._hand: Array = np.zeros(())
@@ -162,7 +169,7 @@ class LineByEye:
         """Begin afresh, from what a model told if that is not long ago."""
         fresh = [told for told in self._told if 0 < t - told.t <= self._gap]
         self._told = ()
-        self._begin(lever, fresh[-1].column(lever) if fresh else None)
+        self._begin(lever, fresh[-1].column(lever, self._reach) if fresh else None)
         for told in fresh:
             turn = turn_of(MANY, told.arm) if lever else None
             hand = self._lengths.of_hand(told.arm.tip, turn)
@@ -214,7 +221,7 @@ class LineByEye:
     def _decide(self, elapsed: float, missing: Array, goes: Array) -> Array:
         """Return the next speed (...) [rad/s].
 
-        missing: (..., D) from the hand to the goal [m]; goes: (..., D) the goal's velocity [m/s]
+        missing: (..., D) from the hand to the goal; goes: (..., D) the goal's velocity [1/s]
         """
         column, eye = self._own.column, self._eye
         ahead = self._horizon + self.LATE * column.lag

@@ -1,7 +1,8 @@
 """What an agent without a model learns by watching the hand: how it moves, and its own part in it.
 
-The hand is a vector of D lengths [m]: its place, D = 3, or also how it has turned, D = 6. Nothing
-here knows the robot. An eye may tremble (measurement noise) and be late; neither is told.
+The hand is a vector of D lengths, in reaches of the arm: its place, D = 3, or also how it has
+turned, D = 6. Nothing here knows the robot. An eye may tremble (measurement noise) and be late;
+neither is told.
 """
 
 from collections import deque
@@ -37,11 +38,11 @@ class SteadyEye:
         self.place: Array = np.zeros(())
         self.velocity: Array = np.zeros(())
         self.trust: Array = np.array(1.0)
-        self.trembling: Array = np.array(0.0)  # mean square of a sight's error [m2]
+        self.trembling: Array = np.array(0.0)  # mean square of a sight's error
         self._t: float | None = None
 
     def see(self, t: float, place: Array) -> None:
-        """Take in that the hand is seen at `place` (..., D) [m] at `t` [s]."""
+        """Take in that the hand is seen at `place` (..., D) at `t` [s]."""
         if self._t is None:
             batch = place.shape[:-1]
             self.place, self.velocity, self.trust = place, np.zeros_like(place), np.ones(batch)
@@ -69,7 +70,7 @@ class SteadyEye:
         self.velocity = self.velocity + follow[..., None] * surprise / elapsed
 
     def _trust(self) -> Array:
-        tiny = 1e-20  # [m2]
+        tiny = 1e-20
         trembling = np.maximum(-self._fall / 4.0 - self.CHANCE * self._spread, tiny)
         moving = np.maximum(self._spread - 6.0 * trembling, 1e-3 * self._spread) + tiny
         index = np.sqrt(moving / trembling)
@@ -107,7 +108,7 @@ class Content:
     ) -> npt.NDArray[np.bool_]:
         """Return whether (...) to rest, `elapsed` [s] after this was asked last.
 
-        missing: (..., D) from the hand to the goal [m]; trembling: (...) see `SteadyEye` [m2]
+        missing: (..., D) from the hand to the goal; trembling: (...) see `SteadyEye`
         moving: (...) whether the goal moves
         """
         if self._missing is None:
@@ -127,7 +128,7 @@ class Content:
 class Column(NamedTuple):
     """What the hand does when the joint turns.
 
-    way: (..., D) [m/rad]; variance: (...) of each component [m2/rad2]; lag: (...) after which the
+    way: (..., D) [1/rad]; variance: (...) of each component [1/rad2]; lag: (...) after which the
     hand is seen to answer [s]
     """
 
@@ -152,19 +153,19 @@ class OwnColumn:
     """
 
     LENGTH = 0.8
-    """[m/rad] How long the column may be before anything was seen. Chosen by hand."""
+    """[reaches/rad] How long the column may be before anything was seen. Chosen by hand."""
     DOUBT = 0.05
-    """[m/rad] Of a column that a model told. Chosen: it was told a moment ago."""
+    """[reaches/rad] Of a column that a model told. Chosen: it was told a moment ago."""
     DRIFT = 0.03
-    """[m/rad per sqrt(s)] How fast the column may wander while all seems still. Searched."""
+    """[reaches/rad per sqrt(s)] How fast the column may wander while all seems still. Searched."""
     CARRIED = 1.6
     """[1/rad] How far it may wander per distance that the hand goes. Searched."""
     NOISE = 0.1
-    """[m/s] Of the hand's velocity that may be others' doing, at first. Chosen by hand."""
+    """[reaches/s] Of the hand's velocity that may be others' doing, at first. Chosen by hand."""
     PATIENCE = 0.9
     """[1] Share kept of the estimate of that noise at each sight. Searched."""
     FLOOR = 1e-10
-    """[m2/s2] Of that noise squared, so that a perfectly still hand divides by something."""
+    """[reaches2/s2] Of that noise squared, so that a perfectly still hand divides by something."""
     PROMPT = 13.0
     """[1/s] By which a late answer is less likely than a prompt one, at first. Searched."""
     TELLING = 3.0
@@ -177,7 +178,7 @@ class OwnColumn:
     """[1] n of Student's distribution. Searched: a half with twice the weight does as well."""
 
     def __init__(self, lags: Array, size: int, known: Array | None = None) -> None:
-        """Know nothing but a length to expect, or what the column is: `known` (..., D) [m/rad].
+        """Know nothing but a length to expect, or what the column is: `known` (..., D) [1/rad].
 
         lags: (H,) those thought possible [s]; size: D
         """
@@ -192,14 +193,14 @@ class OwnColumn:
         self, speed: Array, chance: Array, velocity: Array, *, elapsed: Array, gone: Array,
         trust: Array,
     ) -> None:  # fmt: skip
-        """Take in that the hand's velocity has changed by `velocity` (..., D) [m/s].
+        """Take in that the hand's velocity has changed by `velocity` (..., D) [1/s].
 
         speed: (H, ...) by how much, with each lag, the joint's own speed had changed [rad/s]
         chance: (H, ...) what of that was by chance; the rest answered what was seen: the less it
             is to be trusted, the more of a likeness between the two is trembling seen twice, so
             that only what was by chance tells (an instrumental variable)
         elapsed: (...) time since the last sight, 0 where it rested [s]
-        gone: (...) how far the hand went in it [m]; trust: (...) see `SteadyEye`
+        gone: (...) how far the hand went in it; trust: (...) see `SteadyEye`
         """
         if self._way is None:
             many = speed.shape

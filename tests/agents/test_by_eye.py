@@ -11,8 +11,9 @@ from agents.markers import Off, aim_at, cost, turn_of, turned_against
 from agents.number import MANY
 from plant.kinematics import kinematics_of, quaternion
 from plant.urdf import load
+from studies.no_model import resized
 
-LEVER = 0.17
+LEVER, REACH = 0.17, 0.9
 POSTURE = np.array([0.3, -0.5, 0.4, 1.0, -0.7, 0.8, 0.2])
 
 
@@ -33,7 +34,7 @@ def goal_at(arm, free="nothing", angular_velocity=None):
 
 
 def test_a_hand_that_turns_on_is_seen_to_turn_beyond_half_a_turn():
-    lengths, rate = Lengths(LEVER), np.array([0.3, -0.2, 0.6])
+    lengths, rate = Lengths(LEVER, REACH), np.array([0.3, -0.2, 0.6])
     for tick in range(101):
         seen = lengths.of_hand(np.zeros(3), turn_by(*(0.1 * tick * rate)))
     np.testing.assert_allclose(seen[3:], LEVER * 10.0 * rate, atol=1e-9)
@@ -44,18 +45,19 @@ def test_what_is_missing_is_the_cost_of_the_markers(seven, free):
     kinematics = kinematics_of(seven)
     arm = kinematics.forward(POSTURE)
     goal = goal_at(kinematics.forward(POSTURE + 0.05), free)
-    lengths, aim = Lengths(LEVER), aim_at(MANY, goal, 0.0)
+    lengths, aim = Lengths(LEVER, REACH), aim_at(MANY, goal, 0.0)
     seen = lengths.of_hand(arm.tip, turn_of(MANY, arm))
     missing = lengths.of_goal(0.0, goal)[0] - seen
     off = Off(arm.tip_parts, turned_against(MANY, arm, aim))
-    assert missing @ missing == pytest.approx(cost(off, aim.place, 0.5 * LEVER**2), rel=0.01)
+    wanted = cost(off, aim.place, 0.5 * (LEVER * REACH) ** 2) / REACH**2
+    assert missing @ missing == pytest.approx(wanted, rel=0.01)
     if free == "roll":
         assert missing[3:] @ arm.rotation[:, 2] == pytest.approx(0.0, abs=1e-3)
 
 
 def test_a_goal_that_turns_goes_as_its_angular_velocity(seven):
     arm = kinematics_of(seven).forward(POSTURE)
-    lengths, goal = Lengths(LEVER), goal_at(arm, angular_velocity=np.array([0.0, 0.1, 0.2]))
+    lengths, goal = Lengths(LEVER, REACH), goal_at(arm, angular_velocity=np.array([0.0, 0.1, 0.2]))
     lengths.of_hand(arm.tip, turn_of(MANY, arm))
     places = [lengths.of_goal(t, goal)[0] for t in (1.0, 1.001)]
     _, goes = lengths.of_goal(1.0, goal)
@@ -69,13 +71,32 @@ def test_the_column_that_a_model_tells_is_what_the_hand_does(name):
     posture = np.clip(POSTURE[: robot.n], robot.lower + 0.01, robot.upper - 0.01)
     arm = kinematics.forward(posture)
     for joint in range(robot.n):
-        lengths = Lengths(LEVER)
+        lengths = Lengths(LEVER, REACH)
         before, after = (
             lengths.of_hand(each.tip, turn_of(MANY, each))
             for each in (arm, kinematics.forward(posture + step * np.eye(robot.n)[joint]))
         )
         told = Told(0.0, arm, joint, robot.joints[joint].slides, np.zeros(()))
-        np.testing.assert_allclose(told.column(LEVER), (after - before) / step, atol=1e-4)
+        np.testing.assert_allclose(told.column(LEVER, REACH), (after - before) / step, atol=1e-4)
+
+
+@pytest.mark.parametrize("size", [0.1, 10.0])
+def test_an_arm_of_any_size_is_moved_alike(seven, size):
+    other = resized(seven, size)
+    agents = [
+        JointAgent(Body(robot, 2, 0.1, 0), perception="localiser") for robot in (seven, other)
+    ]
+    rng, hand, aim = np.random.default_rng(0), np.zeros(3), np.array([0.2, -0.1, 0.3])
+    for tick in range(50):
+        hand = hand + rng.normal(0.0, 0.01, 3)
+        decisions = [
+            agent.decide(
+                Percepts(0.1 * tick, scale * hand, goal=Goal(scale * aim, np.zeros(3), 0.0, 0.0))
+            )
+            for agent, scale in zip(agents, (1.0, size), strict=True)
+        ]
+        assert decisions[1] == pytest.approx(decisions[0], rel=1e-6)
+    assert decisions[0] != 0.0
 
 
 def test_when_encoders_are_lost_it_goes_on_from_what_the_model_told_of_turning_too(seven):
