@@ -103,8 +103,9 @@ class PlatformAgent(Agent):
     It shares the hand with the arm: it expects that the arm goes on as seen, less and less, so
     what the arm does now the platform takes over. It knows nothing of what is broken: where the
     arm's motion is that of a single joint, the hand is expected on that joint's circle; where the
-    arm makes good what comfort asks for, comfort is sought; what the drive makes of a command is
-    learned. It goes forward only: the sensors that keep it off people look ahead.
+    arm makes good what comfort asks for, comfort is sought; what share of a command the drive makes
+    is learned, and taken for no less than it has just made. It goes forward only: the sensors that
+    keep it off people look ahead.
     """
 
     def __init__(
@@ -164,8 +165,9 @@ class PlatformAgent(Agent):
             return None
         self.perception = "blackboard" if view.certain else "localiser"
         own, memory = self._looked(percepts.t, percepts.base), self._memory
-        product, square = own.able
-        able = ((product + STILL**2) / (square + STILL**2)).clip(LEAST, 1.0)
+        # one that gives less at its limit only, as near a person, must not be over-asked below it
+        able = np.maximum(_ratio(*own.able), _ratio(own.told * own.speed, own.told**2))
+        able = able.clip(LEAST, 1.0)
         if memory is not None and memory.hand.shape != (*percepts.base.shape[:-1], 3):
             memory = None
         every = PLANS * self._unit - 0.5 * self._period
@@ -361,6 +363,12 @@ def _approach(turn: Quaternion) -> Places:
     w, x, y, z = turn
     level: Places = 2 * (x + 1j * y) * (z - 1j * w)
     return level
+
+
+def _ratio(product: Array, square: Array) -> Array:
+    """Return the share of its commands that a drive has made, 1 where there were none."""
+    ratio: Array = (product + STILL**2) / (square + STILL**2)
+    return ratio
 
 
 def _flat(vector: Array) -> Places:

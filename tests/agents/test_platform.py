@@ -153,6 +153,22 @@ def driven(robot, q, start, goal):
     return np.array(plant.read().base)
 
 
+@pytest.mark.parametrize("made", [lambda w: np.clip(w, -0.1, 0.1), lambda w: 0.5 * w])
+def test_it_stops_to_turn_once_its_goal_is_there_however_much_its_drive_has_made(arph, made):
+    agent, base = PlatformAgent(Body(arph, None, 0.06, 0)), np.zeros(3)
+    for tick in range(60):
+        hand = kinematics_of(arph).forward(START, base).tip
+        if tick == 20:
+            there = base[2]
+        aim = np.array([0.0, 3.0, hand[2]]) if tick < 20 else hand
+        goal = Goal(aim, np.zeros(3), 0.0, 0.0)
+        joints = Joints(np.array(START), np.zeros(6))
+        _, turning = agent.decide(Percepts(0.06 * tick, hand, joints, base, goal))
+        base = base + 0.06 * np.array([0.0, 0.0, made(turning)])
+    assert there > 0.1
+    assert abs(base[2] - there) < 0.1
+
+
 def test_a_batch_of_robots_is_decided_for_at_once(body, percepts):
     one = percepts((0.1, 0.1, 0.0))
     joints = Joints(np.tile(START, (4, 1)), np.zeros((4, 6)))
