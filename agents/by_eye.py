@@ -115,16 +115,16 @@ class LineByEye:
     DITHER = 0.09
     """[1] Size of the move by chance, of the one that closes the distance. Searched."""
     MOST_DITHER = 0.15
-    """[rad/s] Largest speed of the move by chance. Chosen by hand, not searched."""
+    """[rad/s] Largest speed of the move by chance. Chosen by hand."""
     MOST = 0.57
     """[1] Share of its top speed. Searched: it learns as fast as its column changes."""
     HASTE = 0.84
     """[1] Share of the turn that closes the distance, made within H, at most. Searched."""
     UNSEEN = 1.6
-    """[reaches/rad] Of its own turning, that counts as the hand's way where turns are not seen. As
-    LEAD it was not searched."""
+    """[reaches/rad] Of its own turning, that counts as the hand's way where turns are not seen.
+    Chosen by hand."""
     LEAD = 1.0
-    """[s] Of a moving goal's way, that counts as distance to it. Chosen by hand, not searched."""
+    """[s] Of a moving goal's way, that counts as distance to it. Chosen by hand."""
 
     def __init__(self, body: Body, *, horizon: float, memory: float, top_speed: float) -> None:
         """Look `horizon` [s] ahead and further, and never turn faster than `top_speed` [rad/s].
@@ -142,11 +142,8 @@ class LineByEye:
 
     def _begin(self, lever: float, known: Array | None) -> None:
         lags = np.array(self.LAGS) * self._window
-        self._eye, self._motion, self._lengths = (
-            SteadyEye(),
-            OwnMotion(lags),
-            Lengths(lever, self._reach),
-        )
+        self._eye, self._motion = SteadyEye(), OwnMotion(lags)
+        self._lengths = Lengths(lever, self._reach)
         self._own = OwnColumn(lags, 3 + 3 if lever else 3, known)
         self._t: float | None = None
         self._hand: Array = np.zeros(())

@@ -18,9 +18,9 @@ class Stops:
     AT = np.deg2rad(1.0)
     """[rad] From a stop, within which a joint presses against it. Chosen by hand."""
     IN_VAIN = np.deg2rad(5.0)
-    """[rad] Beyond a stop, that are worth a long way. Chosen by hand, not searched."""
+    """[rad] Beyond a stop, that are worth a long way. Chosen by hand."""
     NOTICE = 1.0
-    """[s] Of pressing before it goes. Chosen by hand, not searched."""
+    """[s] Of pressing before it goes the long way. Chosen by hand."""
     URGE = 0.3
     """[rad/s] That the other side may be worse for each second more. Chosen: 3 rad in 10 s."""
 

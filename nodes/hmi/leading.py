@@ -49,7 +49,8 @@ STARTS = 1.0
 KEEPS = 0.7
 """Share that the next press keeps of how far hands have deviated, if it deviates less itself.
 
-Chosen: with `DEVIATES` 1 broken robots keep to 373 of 384 sides; if it forgets at once, to 371.
+Chosen: with `DEVIATES` 1 broken robots keep to 373 of 384 sides; if it forgets at once, to 371. As
+all figures here, from before the platform's law was mended (docs/modes.md).
 """
 WAITS = 1e-3
 """Share of its speed that a goal has that waits: if it stood, joints would try moves by chance."""
