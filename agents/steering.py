@@ -211,6 +211,24 @@ class Planner:
         size: Array = self._small**2 / POWER * ((1 + (missing / self._small) ** 2) ** POWER - 1)
         return size
 
+    def _with_turn(self, course: Course, heading: Places, far: Array) -> Array:
+        """Return errors (..., C, M) [m] of place, with those of the turn at headings e^ia."""
+        if course.turn is None:
+            return far
+        return np.hypot(far, self._turned_off(course.turn, heading)[0])
+
+    def _turned_off(self, turn: Places, heading: Places) -> tuple[Array, Array]:
+        """Return by how much markers are off (..., C, M) [m] at headings e^ia, and what counts.
+
+        That is a share of what the platform turns them away further: an arm that holds its hand as
+        it should be is expected to go on so, and one that does not, the less the more it is off, up
+        to an error d.
+        """
+        turned, now = heading * turn[..., None], turn[..., None]
+        off, present = np.abs(turned - np.abs(turned)), np.abs(now - np.abs(now))
+        counts = np.where(off > present, np.minimum(present / self._small, 1.0), 1.0)
+        return present + counts * (off - present), counts
+
     def _tried(self, course: Course, tail: Tail, plan: Array) -> Tried:
         """Return what comes of plans (..., C, M, 2)."""
         linear, now = self._linear @ plan, course.now[..., None, :]
@@ -219,7 +237,7 @@ class Planner:
         speed, change = linear[..., :INTERVALS, :], linear[..., INTERVALS:, :]
         pivot, place, middle, headings, missing = moved = self._moved(course, speed)
         far, heading = np.abs(missing), headings[..., -1]
-        rho, last = self._rho(_with_turn(course, headings, far)), far[..., -1]
+        rho, last = self._rho(self._with_turn(course, headings, far)), far[..., -1]
         time, turns = self._to_go(course, heading, missing[..., -1])
         beside = self._rho(np.abs(beside_goal(tail, heading, missing)))
         swing = np.abs(course.hand[..., None, INTERVALS - 1]) * np.minimum(turns, np.pi) / 2
@@ -273,14 +291,16 @@ class Planner:
         weight[..., -2] += END * self.unit + both.time / 2
         weight[..., -1] = tail.weight
         beside = beside_goal(tail, heading, missing)[..., None]
-        far = np.concatenate([_with_turn(course, headings, both.far), np.abs(beside)], axis=-1)
+        far = np.concatenate([self._with_turn(course, headings, both.far), np.abs(beside)], axis=-1)
         root = np.sqrt(weight * (1 + (far / self._small) ** 2) ** (POWER - 1))
         slopes, errors = [ways, aside], [missing, beside]
         if course.turn is not None:
             turned = headings * course.turn[..., None]
-            spins = 1j * turned[..., None] * self._spins
+            off, counts = self._turned_off(course.turn, headings)
+            spins = (1j * counts * turned)[..., None] * self._spins
             slopes.append(np.concatenate([np.zeros_like(spins), spins], axis=-1))
-            errors.append(np.abs(turned) - turned)
+            away = np.abs(turned) - turned
+            errors.append(away * (off / np.maximum(np.abs(away), 1e-300)))
             root = np.concatenate([root, root[..., :INTERVALS]], axis=-1)
         root = np.concatenate([root, root], axis=-1)
         slope = np.concatenate([x.real for x in slopes] + [x.imag for x in slopes], axis=-2)
@@ -320,14 +340,6 @@ class Planner:
         share = np.maximum(np.minimum(self.end, ends[..., None]) - begins, 0.0) / self.length
         first, second = np.sign(turns)[..., None]
         return np.stack([share[1], first * share[0] + second * share[2]], axis=-1)
-
-
-def _with_turn(course: Course, heading: Places, far: Array) -> Array:
-    """Return errors (..., C, M) [m] of place, with those of the turn at headings e^ia."""
-    if course.turn is None:
-        return far
-    turned = heading * course.turn[..., None]
-    return np.hypot(far, np.abs(turned - np.abs(turned)))
 
 
 def _taken(values: npt.NDArray[Any], index: npt.NDArray[np.intp]) -> npt.NDArray[Any]:

@@ -77,3 +77,28 @@ def test_many_are_planned_for_as_each_alone():
     plans, _ = planned(together)
     for each, plan in zip(some, plans, strict=True):
         np.testing.assert_allclose(planned(each)[0], plan, atol=1e-9)
+
+
+def test_the_platform_turns_under_an_arm_that_holds_the_hand_as_it_should_be():
+    aside = course(0.4 - 0.3j, 0.4 + 0j, going=-0.07j)
+    freely = planned(aside)[0]
+    held = planned(aside._replace(turn=np.array([0.3 + 0j])))[0]
+    np.testing.assert_allclose(held, freely, atol=1e-12)
+    assert freely[0, 1] < -0.1  # to the right
+
+
+def test_the_platform_turns_a_hand_that_is_off_by_more_than_a_little():
+    there = course(0.1 + 0j, 0.1 + 0j)
+    for way in (-1.0, 1.0):
+        plan = planned(there._replace(turn=0.3 * np.exp(-0.1j * way)[None]))[0]
+        assert way * plan[0, 1] > 0.01
+
+
+def test_the_less_an_arm_holds_its_hand_the_more_a_turn_of_the_platform_counts():
+    aside, turns = course(0.4 - 0.3j, 0.4 + 0j), []
+    for angle in (0.0, -0.01, -0.02, -0.033):  # up to a small error, which turning right adds to
+        plan = None
+        for _ in range(4):
+            plan = planned(aside._replace(turn=0.3 * np.exp(1j * angle)[None]), plan)[0]
+        turns.append((plan[:, 1] * PLANNER.length)[:8].sum())
+    assert (np.diff(turns) > 0).all()
