@@ -27,6 +27,8 @@ from studies.mobile import ARPH, BEND, PERIOD
 
 ASIDE = np.radians(90.0)
 """Bearing of the hand when lined up, in deploy/arph-web.yaml [rad]."""
+NEAR = 0.35
+"""Comfortable reach of the hand there, as a share of the arm's length."""
 TIMES = Times()
 VIEWER = 1  # the only one
 _SOON = 1e-9  # [s] by which two moments may differ and still be the same
@@ -38,7 +40,8 @@ def web_team(seed: int) -> dict[str, Agent]:
     for joint in range(ARPH.n):
         body = Body(ARPH, joint, PERIOD, [seed, joint])
         agents[f"joint/{joint + 1}"] = JointAgent(body, bend=BEND.get(joint, 0.0))
-    agents["platform"] = PlatformAgent(Body(ARPH, None, PERIOD, [seed, ARPH.n]), bearing=ASIDE)
+    body = Body(ARPH, None, PERIOD, [seed, ARPH.n])
+    agents["platform"] = PlatformAgent(body, bearing=ASIDE, reach=NEAR)
     return agents
 
 
