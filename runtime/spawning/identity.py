@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import NamedTuple, Self
 
 from runtime.results.logs import read_log
-from runtime.wire.topics import PLANT
+from runtime.wire import topics
 
 _CLOCK = 1.0  # [s] by which the system may correct what it says of when a process started
 _DYING = 1.0  # [s] for a killed process to be gone
@@ -73,15 +73,28 @@ def start_line(role: str, robot: str, run: Path) -> dict[str, object]:
 
 def processes_in(run: Path, role: str) -> list[ProcessId]:
     """Return the processes of a role in a run that live on this host, by its log; newest last."""
-    here = (role, os.path.realpath(run), socket.gethostname())
+    found = _started_in(run, topics.file_name(role))
+    return [process for one, process in found if one == role and process.lives()]
+
+
+def all_in(run: Path) -> list[tuple[str, ProcessId]]:
+    """Return the roles and processes of a run that live on this host, by its logs."""
+    logs = sorted(run.glob("*.jsonl"))
+    found = {each for log in logs for each in _started_in(run, log.stem)}
+    return [each for each in found if each[1].lives()]
+
+
+def _started_in(run: Path, log: str) -> list[tuple[str, ProcessId]]:
+    """Return the roles and processes that have begun a log of a run on this host; newest last."""
+    here = (os.path.realpath(run), socket.gethostname())
     found = []
-    for line in read_log(run, role, "start"):
-        pid, started = line.get("pid"), line.get("started")
-        if (line.get("role"), line.get("run"), line.get("host")) != here:
+    for line in read_log(run, log, "start"):
+        role, pid, started = line.get("role"), line.get("pid"), line.get("started")
+        if (line.get("run"), line.get("host")) != here or not isinstance(role, str):
             continue
         if isinstance(pid, int) and isinstance(started, int | float):
-            found.append(ProcessId(pid, started))
-    return [process for process in found if process.lives()]
+            found.append((role, ProcessId(pid, started)))
+    return found
 
 
 def obeyed_in(run: Path, role: str) -> ProcessId | None:
@@ -92,6 +105,8 @@ def obeyed_in(run: Path, role: str) -> ProcessId | None:
     processes = processes_in(run, role)
     if len(processes) > 1:
         pids = {line.get("by"): line.get("pid") for line in read_log(run, role, "start")}
-        obeys = [line["by"] for line in read_log(run, PLANT, "obeys") if line["role"] == role]
+        obeys = [
+            line["by"] for line in read_log(run, topics.PLANT, "obeys") if line["role"] == role
+        ]
         processes += [one for one in processes if obeys and one.pid == pids.get(obeys[-1])]
     return processes[-1] if processes else None

@@ -4,14 +4,16 @@ import argparse
 import time
 
 from runtime.errors import RunError
+from runtime.spawning.identity import ProcessId, all_in
 from runtime.watching.control import Control
-from runtime.watching.discovery import add_target_options, target_of, visit
+from runtime.watching.discovery import Target, add_target_options, target_of, visit
 from runtime.wire import topics
 from runtime.wire.bus import Bus
 
 _PATIENCE = 3.0  # [s] for all processes to end
 _CONNECTS = 2.0  # [s] for the process of a role to connect, on a busy machine
 _LATE = 0.3  # [s] after which none is expected that connects so late that it was not asked yet
+_SUCCESSOR = "successor"  # of a launcher that was killed, which ends with the run
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -23,29 +25,44 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> int:
     """Request the stop, again as long as any runs, and wait until the processes have ended."""
-    with visit(target_of(args)) as bus:
+    target = target_of(args)
+    with visit(target) as bus:
         began = time.monotonic()
         while not (wanted := _alive(bus, args.role)):  # some other role is there
             if time.monotonic() > began + _CONNECTS:
                 raise RunError(f"no {args.role} runs")
             time.sleep(0.05)
+        here = _processes(target, args.role)
+        asked = {role for role, _ in (*wanted, *here)}
         left, control, began = wanted, Control(bus), time.monotonic()
         ended = began
-        while (now := time.monotonic()) < began + _PATIENCE and (left or now < ended + _LATE):
-            if left:
+        while (now := time.monotonic()) < began + _PATIENCE and (
+            left or here or now < ended + _LATE
+        ):
+            if left or here:
                 control.stop(args.role or "**")
                 ended = time.monotonic()
             time.sleep(0.05)
             left = _alive(bus, args.role)
             if args.role:
                 left &= wanted  # and not one that is revived meanwhile
-            wanted |= left
-    if left:
+            asked |= {role for role, _ in left}
+            here = [each for each in here if each[1].lives()]
+    if hang := {role for role, _ in (*left, *here)}:
         raise RunError(
-            f"{_roles(left)}: does not stop; use `msma kill ROLE` for a process that hangs"
+            f"{_listed(hang)}: does not stop; use `msma kill ROLE` for a process that hangs"
         )
-    print(f"stopped: {_roles(wanted)}")
+    print(f"stopped: {_listed(asked)}")
     return 0
+
+
+def _processes(target: Target, role: str | None) -> list[tuple[str, ProcessId]]:
+    """Return the processes here of a role, or of all roles, and their roles.
+
+    One that has been held up for a while is not seen alive, and goes on if it is not asked again.
+    """
+    found = [each for run in target.runs for each in all_in(run)]
+    return [each for each in found if each[0] != _SUCCESSOR and role in (None, each[0])]
 
 
 def _alive(bus: Bus, role: str | None) -> set[tuple[str, int]]:
@@ -54,5 +71,5 @@ def _alive(bus: Bus, role: str | None) -> set[tuple[str, int]]:
     return {who for who in alive if who and role in (None, who[0])}
 
 
-def _roles(processes: set[tuple[str, int]]) -> str:
-    return ", ".join(sorted(role for role, _ in processes))
+def _listed(roles: set[str]) -> str:
+    return ", ".join(sorted(roles))

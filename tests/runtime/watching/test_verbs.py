@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from runtime.cli import main
 from runtime.errors import RunError
 from runtime.spawning.forkserver import ForkServer
 from runtime.verbs.hz import evenness
@@ -17,7 +18,7 @@ from runtime.watching import local
 from runtime.watching.discovery import target_of
 from runtime.wire.bus import Bus
 from runtime.wire.messages import Diag
-from tests.runtime.conftest import RUN_DEADLINE, TOLERANCE, Robot, wait_for
+from tests.runtime.conftest import DEADLINE, RUN_DEADLINE, TOLERANCE, Robot, wait_for
 from tests.runtime.test_launch import ROLES
 
 
@@ -38,30 +39,26 @@ def running(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Robot]:
 
 def test_status_shows_every_process(running: Robot) -> None:
     def shown() -> list[list[str]]:
-        said = running.tool("status")
-        assert said.returncode == 0, said.stderr
-        first, _, *lines = said.stdout.splitlines()[: 2 + len(ROLES)]
+        first, _, *lines = running.working("status").splitlines()[: 2 + len(ROLES)]
         assert first.startswith(f"{running.name}: ")
         return [line.split()[:2] for line in lines]
 
-    assert [role for role, _ in shown()] == ROLES
     there = [[role, str(running.pid(role))] for role in ROLES]
     wait_for(lambda: shown() == there, "all to answer in time")
 
 
 def test_status_is_json_for_programs(running: Robot) -> None:
     def told() -> dict[str, Any]:
-        said: dict[str, Any] = json.loads(running.tool("status", "--json").stdout)
+        said: dict[str, Any] = json.loads(running.working("status", "--json"))
         return said
-
-    assert told()["t"] > 0
 
     def is_there() -> bool:  # of hand and goal only what is fresh tells an error
         error = told()["error"]
         return error is not None and error < TOLERANCE
 
     wait_for(is_there, "the hand to be at its goal")
-    assert all(process["alive"] for process in told()["processes"])
+    wait_for(lambda: told()["t"] > 0, "the plant's time")
+    wait_for(lambda: all(each["alive"] for each in told()["processes"]), "all to be there")
 
 
 def test_a_role_is_killed_and_revived_and_goes_on(running: Robot) -> None:
@@ -104,14 +101,18 @@ def test_what_hangs_is_shown_and_can_be_killed(running: Robot) -> None:
     os.kill(pid, signal.SIGSTOP)
     silent = f"joint/6: does not answer, process {pid}"
     wait_for(lambda: silent in running.tool("status").stdout, "status to say that it is silent")
-    assert running.tool("kill", "joint/6").returncode == 0
-    assert running.tool("revive", "joint/6").returncode == 0
+    running.working("kill", "joint/6")
+    running.working("revive", "joint/6")
 
 
-def test_reviving_what_lives_is_refused(running: Robot) -> None:
-    said = running.tool("revive", "joint/1")
-    assert (said.returncode, said.stdout) == (1, "")
-    assert "--copy" in said.stderr
+def test_reviving_what_lives_is_refused(
+    running: Robot, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(local, "_HANGS", DEADLINE)  # on a busy machine it may answer late
+    assert main(["revive", "joint/1", "--robot", running.name]) == 1
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert "--copy" in said.err
 
 
 def test_one_that_is_late_with_its_answer_is_alive(
@@ -124,6 +125,7 @@ def test_one_that_is_late_with_its_answer_is_alive(
         return answered(bus, role) if len(asked) > 1 else []
 
     monkeypatch.setattr(local, "diags", late)
+    monkeypatch.setattr(local, "_HANGS", DEADLINE)
     target = target_of(Namespace(robot=running.name, file=None))
     with ForkServer("joint/1") as forkserver, pytest.raises(RunError, match="joint/1 is alive"):
         local.revive("joint/1", target, forkserver)
@@ -138,11 +140,14 @@ def test_there_is_no_such_role(running: Robot, verb: str) -> None:
 
 
 def test_a_fault_is_made_and_a_wrong_one_is_explained(running: Robot) -> None:
-    assert running.tool("fault", "joint/4:weak=0.5").stdout == "joint/4:weak=0.5: ok\n"
+    running.working("fault", "joint/4:weak=0.5", says="joint/4:weak=0.5: ok\n")
     wait_for(lambda: running.log("plant", "fault"), "the fault in the log")
-    said = running.tool("fault", "joint/4:sleepy")
-    assert said.returncode == 2
-    assert "locked" in said.stderr
+
+    def refused() -> str:
+        said = running.tool("fault", "joint/4:sleepy")
+        return said.stderr if said.returncode == 2 else ""
+
+    assert "locked" in wait_for(refused, "it to be refused")
 
 
 def test_echo_prints_decoded_messages(running: Robot) -> None:
@@ -159,10 +164,12 @@ def test_the_rate_and_the_jitter_follow_from_the_times_of_arrival() -> None:
 
 
 def test_hz_shows_the_rate_of_each_key(running: Robot) -> None:
-    said = running.tool("hz", "arm/joint/*/cmd", "--seconds", "1.5")
-    lines = said.stdout.splitlines()
-    assert [line.split(":")[0] for line in lines] == [f"arm/joint/{n}/cmd" for n in range(1, 7)]
-    for line in lines:
+    def shown() -> list[str]:
+        lines = running.working("hz", "arm/joint/*/cmd", "--seconds", "1.5").splitlines()
+        keys = [line.split(":")[0] for line in lines]
+        return lines if keys == [f"arm/joint/{n}/cmd" for n in range(1, 7)] else []
+
+    for line in wait_for(shown, "the commands of all joints"):
         assert float(line.split()[1]) > 0.0
 
 
@@ -198,13 +205,30 @@ def test_of_a_robot_that_does_not_run_it_is_said(robot: Robot) -> None:
         assert f"nothing of robot {robot.name} runs" in said.stderr
 
 
+def test_one_that_hangs_is_not_said_to_be_stopped(robot: Robot) -> None:
+    launcher = robot.launch("--duration", "10min")
+    robot.until(0.3)
+    launcher.kill()  # which would kill it
+    pid = robot.pid("joint/4")
+    os.kill(pid, signal.SIGSTOP)
+    wait_for(lambda: "joint/4: does not answer" in robot.working("status"), "its absence")
+    said = robot.tool("stop")
+    assert (said.returncode, said.stdout) == (1, "")
+    assert "joint/4" in said.stderr.partition(": does not stop")[0]
+    os.kill(pid, signal.SIGCONT)
+    wait_for(lambda: not robot.processes(), "all to end")
+
+
 def test_all_of_it_is_stopped(robot: Robot) -> None:
     launcher = robot.launch("--duration", "10min")
     robot.until(0.3)
-    assert robot.tool("stop", "joint/5").stdout == "stopped: joint/5\n"
-    said = robot.tool("stop")
-    assert said.returncode == 0, said.stderr
-    wait_for(lambda: not robot.processes(), "all to end")
+    robot.working("stop", "joint/5", says="stopped: joint/5\n")
+
+    def ended() -> bool:  # on a busy machine a process may be asked while it is not connected
+        robot.tool("stop")
+        return not robot.processes()
+
+    wait_for(ended, "all to end")
     out, _ = launcher.communicate(timeout=RUN_DEADLINE)
     assert launcher.returncode == 130
     assert "asked to stop" in out
