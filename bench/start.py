@@ -28,6 +28,8 @@ from studies.study import Progress, Row
 LAUNCHES, REVIVALS = 5, 4
 SHORT = 1.5
 """Duration of a run of which only the start is measured [s]."""
+FIRST = 2.0
+"""When an agent is killed for the first time [s]."""
 REVIVED = "joint/2"
 ALL_ACTIVE = "then, all agents active"
 """The last step of a launch; the arm moves before it."""
@@ -35,7 +37,7 @@ IN_A_LAUNCH, BY_COMMAND, ANEW = "by its launch", "by `msma revive`", "by a new P
 """Ways to restart an agent: as chaos does, by a command, and as `msma agent` does."""
 _DOWN, _TIMEOUT = 0.6, 30.0  # [s] from the kill to the restart, and for the agent to be active
 _ROUND = 8.0  # [s] for one restart in each of the ways
-_SPARE = 120.0  # [s] for the last round, on a machine that is busy with other work
+_SPARE = 120.0  # [s] for a round, on a machine that is busy with other work
 
 Times = Mapping[str, float]
 """Duration of each step [s], in their order."""
@@ -128,7 +130,7 @@ def _revive(rounds: int) -> dict[str, list[Times]]:
 
     The ways alternate in one run, because simultaneous robots would share the processors.
     """
-    came = [2.0 + number * _ROUND for number in range(rounds)]
+    came = [FIRST + number * _ROUND for number in range(rounds)]
     robot = f"bench-revive-{os.getpid()}"
     options = [str(ARPH), "--robot", robot, "--duration", f"{came[-1] + _SPARE:g} s"]
     for t in came:
@@ -136,8 +138,8 @@ def _revive(rounds: int) -> dict[str, list[Times]]:
     found: dict[str, list[Times]] = {IN_A_LAUNCH: [], BY_COMMAND: [], ANEW: []}
     with launched(options, usual=True) as run, ExitStack() as stack:
         for number in range(rounds):
-            obeyed = _next(_obeyed, run, 3 * number + 1, 2 * _ROUND)
-            called = _called(run)[number]
+            obeyed = _next(_obeyed, run, 3 * number + 1, _SPARE)
+            called = _next(_called, run, number)
             found[IN_A_LAUNCH].append({"until it is active": obeyed["wall"] - called["wall"]})
 
             os.kill(_pid(run), signal.SIGKILL)

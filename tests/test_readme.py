@@ -117,7 +117,8 @@ def test_a_command_that_needs_nothing_running_ends_well(command, place):
 
 def test_keys_are_made_and_the_robot_runs_by_them(place):
     for command in commands(SECURE):
-        done = run(command, place)
+        go = launched if command.startswith("msma-launch") else run
+        done = go(command, place)
         assert done.returncode == 0, done.stdout + done.stderr
     assert "goal reached" in done.stdout
 
@@ -133,9 +134,15 @@ def test_a_running_robot_is_controlled_from_another_terminal(place, robot):
         status = f"msma status --robot {robot}"
         wait_for(lambda: "runs" in run(status, place).stdout, "the robot to start")
         for command in commands(RUNNING):
-            done = run(f"{command} --robot {robot}", place)  # since others may run here
-            allowed = (0, 1) if command == "msma doctor" else (0,)  # it may well find something
-            assert done.returncode in allowed, f"{command}: {done.stdout}{done.stderr}"
+
+            def works(command: str = command) -> bool:
+                done = run(f"{command} --robot {robot}", place)  # since others may run here
+                allowed = (0, 1) if command == "msma doctor" else (0,)  # it may find something
+                print(command, done.stdout, done.stderr)  # shown if it never works
+                return done.returncode in allowed or launcher.poll() is not None
+
+            # on a busy machine a process may answer too late, and a tool gives up soon
+            wait_for(works, f"{command} to work")
         assert launcher.wait(DEADLINE) == 130
     finally:
         launcher.terminate()
@@ -154,8 +161,10 @@ def test_the_agent_and_the_node_of_ones_own_can_be_deployed(place):
     done = launched("msma-launch mine.yaml --speed 2", place)
     assert done.returncode == 0, done.stdout + done.stderr
     (run_folder,) = place.glob("runs/*")
-    last = read_log(run_folder, "plant", "tick")[-1]
-    assert last["q"][0] > 0.8 * 0.052 * last["t"], "the agent turns its joint by 3 deg/s"
+    ticks = read_log(run_folder, "plant", "tick")
+    commanded = 0.06 * sum(None not in (tick["age"] or [None])[:1] for tick in ticks)  # [s]
+    assert commanded > 6.0
+    assert ticks[-1]["q"][0] > 0.8 * 0.052 * commanded, "the agent turns its joint by 3 deg/s"
     (log,) = place.glob("runs/*/odometer.jsonl")
     end = json.loads(log.read_text().splitlines()[-1])
     assert (end["event"], end["code"]) == ("end", 0)

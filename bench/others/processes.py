@@ -93,12 +93,12 @@ class ProcessGroup:
         while True:
             try:
                 done = subprocess.run(
-                    command, cwd=self.folder, env=self.env, capture_output=True, timeout=timeout,
-                    check=False,
+                    command, cwd=self.folder, env=self.env, capture_output=True,
+                    timeout=START_TIMEOUT, check=False,
                 )  # fmt: skip
             except subprocess.TimeoutExpired:
                 raise BenchError(
-                    f"{' '.join(command[-4:])}: not finished in {timeout:g} s"
+                    f"{' '.join(command[-4:])}: not finished in {START_TIMEOUT:g} s"
                 ) from None
             if done.returncode == 0:
                 return

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from bench import loop
 from bench.bench import BenchError
 from bench.echo.runner import Measurement, run
 from bench.echo.workload import (
@@ -75,15 +76,19 @@ def test_a_spec_survives_the_command_line() -> None:
     assert ROLES[0] == "plant"
 
 
-def test_all_systems_answer_and_are_measured(tmp_path: Path) -> None:
-    # at a rate that a busy machine holds too, even with a decision on every state
-    bench = LoopBench({200: 1.0}, rounds=1, detailed={200}, with_page={200})
+def test_all_systems_answer_and_are_measured(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # at a rate that a busy machine holds too, even with a decision on every state; there an agent
+    # may start late, but a robot that does not follow at all is off by more than this
+    monkeypatch.setattr(loop, "MOST_OFF", 0.1)
+    bench = LoopBench({200: 3.0}, rounds=1, detailed={200}, with_page={200})
     result = bench.measure(1.0, Progress())
     assert result.sound, result.checks
     sides = result.data["200"]
     assert set(sides) == {OURS, PLAIN, DECIDING, EVERY_STATE, BUSY, PAGE_OPEN}
     for side, (found,) in sides.items():
-        assert found["ticks"]["ticks"] + found["ticks"]["missed"] == 200
+        assert found["ticks"]["ticks"] + found["ticks"]["missed"] == 600
         assert all(found["ticks"]["heard"].values())
         more = {"hmi", VIEWER} if side == PAGE_OPEN else set()
         assert set(found["usage"]) == {*ROLES, *more}

@@ -27,11 +27,12 @@ def test_an_arm_is_measured_as_full_mesh_and_as_star(tmp_path: Path) -> None:
     for _ in range(3):  # a busy machine may not have made all connections when they are counted
         result = bench.measure(0.2, Progress())
         (full,), (star,) = result.data[FULL], result.data[STAR]
-        if (full["links"], star["links"]) == expected:
+        links, off = (full["links"], star["links"]), max(full["off"], star["off"])
+        if links == expected and off < NEAR:
             break
-    assert (full["links"], star["links"]) == expected
+    assert links == expected
+    assert off < NEAR
     for one in (full, star):
-        assert one["off"] < NEAR
         assert 0 < one["answered"] <= one["due"]
         assert one["pss"][0] > 1e6
         assert one["cpu"] > 0

@@ -1,11 +1,17 @@
 from pathlib import Path
 
-from bench.start import StartBench
+import pytest
+
+from bench import start
 from studies.study import Progress
 
 
-def test_a_start_and_a_restart_are_timed_step_by_step(tmp_path: Path) -> None:
-    bench = StartBench()
+def test_a_start_and_a_restart_are_timed_step_by_step(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(start, "SHORT", 6.0)  # a busy machine may start its processes that late
+    monkeypatch.setattr(start, "FIRST", 6.0)
+    bench = start.StartBench()
     result = bench.measure(0.1, Progress())
     assert result.sound, result.checks
     (launch,) = result.data["launches_s"]

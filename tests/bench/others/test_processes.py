@@ -9,6 +9,7 @@ import yaml
 
 from bench.bench import BenchError
 from bench.echo.workload import AGENTS, ROLES, STATES
+from bench.others import kills
 from bench.others.kills import measure_kills
 from bench.others.processes import ProcessGroup, await_port, free_port
 from bench.others.systems import VICTIM, Kill, System, dataflow
@@ -53,7 +54,7 @@ def test_all_processes_of_a_system_are_measured_and_ended() -> None:
         measured = processes.measured()
         pids = list(processes.pids.values())
     assert measured.ticks["ticks"] > 0
-    assert all(measured.ticks["by_role"][role] for role in AGENTS)
+    assert all(measured.ticks["heard"][role] for role in AGENTS)  # in time or not
     assert 0 < measured.time("p50") <= measured.time("p99") <= measured.time("worst")
     assert set(measured.usage) == set(ROLES)
     assert all(usage.pss > 1e6 for usage in measured.usage.values())
@@ -62,7 +63,10 @@ def test_all_processes_of_a_system_are_measured_and_ended() -> None:
     wait_until_gone(pids)
 
 
-def test_a_killed_agent_leaves_a_gap_in_its_own_commands_only() -> None:
+def test_a_killed_agent_leaves_a_gap_in_its_own_commands_only(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(kills, "PAUSE", 4.0)  # in which all are to answer, on a busy machine too
     agent, goal = measure_kills(Datagrams(), PYTHON)
     assert agent.what == "an agent"
     assert agent.gap.ended

@@ -95,14 +95,15 @@ class Browser:
         self.ids += 1
         id_, answer = self.ids, "halted" if kind == "halt" else "done"
         self.send(kind, id=id_, **fields)
-        return self.wait(answer, lambda one: one["id"] == id_)
+        # a halt that a busy plant is late to confirm is asked for again, by the page itself
+        return self.wait(answer, lambda one: one["id"] == id_ and one.get("confirmed", True))
 
     def begin(self, mode: str, limit: float | None = None) -> None:
         """Choose a mode, and perhaps a limit [m/s]: a plant that is busy is asked again."""
         wait_for(lambda: self.ask("mode", mode=mode)["ok"], f"mode {mode}")
         if limit is not None:
             wait_for(lambda: self.ask("limit", limit=limit)["ok"], "the limit")
-            self.wait_state(lambda one: one["gate"]["limit"] == limit, "the limit")
+            self.wait_state(lambda one: one["gate"] and one["gate"]["limit"] == limit, "the limit")
 
     def wait(
         self, kind: str, fits: Callable[[Message], bool] = lambda _: True, timeout: float = 20.0

@@ -5,9 +5,9 @@ import json
 from tests.nodes.hmi.conftest import WebRobot
 from tests.runtime.conftest import ROOT
 
-SHORT = ("--speed", "2", "--duration", "8 s", "--set", "start.rest_after=null")
+SHORT = ("--duration", "12 s", "--set", "start.rest_after=null")
 PLACE = ("--set", "goal.rpy=null")  # with faults the hand need not be turned as it was
-PAGE = ("--kill", "hmi@2.5", "--revive", "hmi@4", "--hang", "hmi@6:1.5 s")
+PAGE = ("--kill", "hmi@2.5", "--revive", "hmi@4", "--hang", "hmi@8:1.5 s")
 
 
 def test_the_task_is_done_with_the_page_killed_revived_and_hung(web_robot: WebRobot) -> None:

@@ -10,13 +10,13 @@ import pytest
 from nodes.hmi.address import Address
 from tests.nodes.hmi.client import Browser, Message
 from tests.nodes.hmi.conftest import WebRobot
-from tests.runtime.conftest import wait_for
+from tests.runtime.conftest import DEADLINE, wait_for
 
 pytestmark = [
     pytest.mark.skipif(os.geteuid() != 0, reason="namespaces take root: run the tests as root"),
     pytest.mark.skipif(not Path("/dev/net/tun").exists(), reason="needs /dev/net/tun"),
 ]
-CUT = 2.0  # [s]
+CUT = 5.0  # [s], of which a busy machine's launcher may miss some
 PAGE = "nodes=[{role: hmi, class: nodes.hmi.page:Page, host: base}]"
 
 
@@ -65,7 +65,7 @@ def test_an_engineer_cuts_hosts_off_which_come_back(web_robot: WebRobot, address
                 return "" if said == "no launcher answers" else said  # they may just connect
 
             assert why in wait_for(answered, "the launcher's answer")
-        browser.wait("processes", all_run)
+        browser.wait("processes", all_run, DEADLINE)
         wait_for(lambda: any(obeyed(web_robot, 0.0)), "its agents to be obeyed")
         assert partitions(web_robot) == []
 

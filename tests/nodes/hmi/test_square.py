@@ -6,7 +6,7 @@ from agents.agent import Array
 from studies.held_buttons import SIDES, largest_turn
 from studies.shared_mode import BESIDE, TURNED
 from tests.nodes.hmi.client import Browser
-from tests.nodes.hmi.conftest import WebRobot
+from tests.nodes.hmi.conftest import WebRobot, driven
 from tests.runtime.conftest import wait_for
 
 SPEED, SIDE = 0.1, 0.06  # [m/s], [m]
@@ -46,11 +46,9 @@ def test_the_hand_keeps_to_the_line_of_its_button_though_joints_fail(web_robot: 
     address = web_robot.begin()
     with Browser(address, address.engineer) as browser:
         browser.begin("shared", SPEED)
-        with browser.holding(*SIDES["left"], 0, 0, 0):  # it breaks while it is driven
-            start = np.array(browser.hand)
-            wait_for(lambda: np.linalg.norm(np.array(browser.hand) - start) > 0.01, "a move")
+        with driven(browser, *SIDES["left"], 0, 0, 0, metres=0.01):  # it breaks while it is driven
             assert browser.ask("act", what="kill", role="joint/2")["ok"]
-            assert browser.ask("fault", fault="joint/1:locked")["ok"]
+            wait_for(lambda: browser.ask("fault", fault="joint/1:locked")["ok"], "the fault")
         for left in reversed(range(TRIES)):
             times = [hold(browser, button) for button in SQUARE]
             log = web_robot.motion(times[-1][1])

@@ -65,8 +65,7 @@ def test_the_cup_is_taken_and_kept_whatever_becomes_of_the_agent(robot: Robot) -
     robot.until(0.5)
     wait_for(lambda: state(robot)["holds"], "the cup to be held")
     assert state(robot)["opening"] == pytest.approx(0.06, abs=1e-4)
-    killed = robot.tool("kill", "gripper")
-    assert killed.returncode == 0, killed.stderr
+    robot.working("kill", "gripper")
     up = "the hand to go up without it"
     wait_for(lambda: robot.log("plant", "tick")[-1]["hand"][2] > 0.97, up)
     assert state(robot)["holds"]
@@ -76,8 +75,7 @@ def test_the_cup_is_taken_and_kept_whatever_becomes_of_the_agent(robot: Robot) -
     assert table["position"] == pytest.approx([0.5, -0.18, 0.85])
     assert cup["name"] == "cup"
     assert cup["position"][2] > 0.95, "it goes up with the hand"
-    said = robot.tool("revive", "gripper")
-    assert said.returncode == 0, said.stderr
+    robot.working("revive", "gripper")
     robot.until(robot.t + 2.0)
     assert state(robot)["holds"]
     (echo,) = robot.tool("echo", "platform/ranges", "-n", "1").stdout.splitlines()
@@ -92,7 +90,7 @@ def test_the_cup_is_taken_and_kept_whatever_becomes_of_the_agent(robot: Robot) -
     wait_for(lambda: not state(robot)["holds"], "the cup to be dropped")
     (echo,) = robot.tool("echo", "platform/ranges", "-n", "1").stdout.splitlines()
     assert json.loads(echo)["ranges"][1] is None
-    assert robot.tool("stop").returncode == 0
+    wait_for(lambda: robot.tool("stop") and launcher.poll() is not None, "the end")
     launcher.communicate(timeout=DEADLINE)
     lost = robot.summary["evaluation"]["lost"]
     assert lost["object"] == "cup"
@@ -105,13 +103,13 @@ def test_the_cup_is_taken_and_kept_whatever_becomes_of_the_agent(robot: Robot) -
 def test_what_the_platform_touches_is_in_the_summary(robot: Robot) -> None:
     (robot.folder / "ahead.py").write_text(AHEAD)
     nudge = "agents: [{role: platform, class: 'ahead:Ahead'}]\n"
-    file = deployment(robot.folder, nudge, FILE.partition("goal:")[0].replace("600 s", "12 s"))
+    file = deployment(robot.folder, nudge, FILE.partition("goal:")[0].replace("600 s", "40 s"))
     done = robot.msma("launch", file, "--robot", robot.name, "--speed", "4")
     assert done.returncode == 0, done.stdout + done.stderr
     assert "the platform touched the wall once, first at " in done.stdout
     (touched,) = robot.summary["evaluation"]["touched"]
     assert (touched["part"], touched["object"], touched["times"]) == ("platform", "wall", 1)
-    assert touched["first"] < 12.0
+    assert touched["first"] < 40.0
     end = robot.log("plant", "tick")[-1]["base"]
     assert end[0] == pytest.approx(1.45 - 0.45, abs=2e-3)
 
@@ -174,13 +172,14 @@ def test_a_standby_goes_on_with_the_task_of_a_goal_source_that_is_killed(robot: 
     kinematic = "plant.class=plant.kinematic:KinematicPlant"
     more = ("--set", kinematic, "--kill", "goal@5", "--duration", "600s")
     robot.launch("--speed", "2", *more, file="fetch.yaml")
-    robot.until(7.0)
-    assert len(robot.log("goal", "start")) == 2
+    robot.until(0.1)
+    wait_for(lambda: len(robot.log("goal", "start")) == 2, "both goal sources to be there")
 
     def is_held() -> bool:
         return bool(robot.log("plant", "gripper"))
 
     wait_for(is_held, "the cup to be taken", RUN_DEADLINE)
     taken = robot.log("plant", "gripper")[0]["t"]
+    robot.until(taken)
     then = next(tick for tick in robot.log("plant", "tick") if tick["t"] >= taken - 1e-9)
     assert math.dist(then["hand"][:2], (1.28, -0.2)) < 0.05

@@ -61,7 +61,10 @@ def test_a_node_publishes_is_shown_and_ends_with_the_run(robot: Robot) -> None:
     done = robot.msma("launch", file, "--robot", robot.name, "--speed", "2")
     assert "goal reached" in done.stdout, done.stdout + done.stderr
     (end,) = robot.log("camera", "end")
-    assert (end["reason"], end["code"]) == ("the run is over", 0)
+    assert end["code"] == 0
+    over = robot.log("plant", "tick")[-1]["wall"]
+    # the launcher asks who has not heard of the end, as a process may not have that stood still
+    assert end["reason"] == "the run is over" or end["wall"] > over
     summary = {one["role"]: one for one in robot.summary["processes"]}
     assert len(summary["camera"]["pids"]) == 1
 
@@ -69,7 +72,7 @@ def test_a_node_publishes_is_shown_and_ends_with_the_run(robot: Robot) -> None:
 def test_a_node_is_killed_hung_and_revived_as_every_process_and_disturbs_no_run(
     robot: Robot,
 ) -> None:
-    options = ["--kill", "camera@3", "--revive", "camera@6", "--hang", "camera@12:2s"]
+    options = ["--kill", "camera@8", "--revive", "camera@11", "--hang", "camera@18:2s"]
     launch(robot, "--speed", "2", *options)
     wait_for(lambda: [*robot.folder.glob("runs/*")], "the run to begin")
     wait_for(lambda: len(robot.log("camera", "start")) == 2, "the node to be revived", 40.0)
@@ -81,13 +84,16 @@ def test_a_node_is_killed_hung_and_revived_as_every_process_and_disturbs_no_run(
 def test_a_message_of_a_node_reaches_a_tool(robot: Robot) -> None:
     launch(robot, "--duration", "10min")
     wait_for(lambda: "has seen 6 joints" in robot.tool("status").stdout, "the node to be shown")
-    heard = robot.tool("echo", "camera/hand", "-n", "1")
-    assert '"camera/hand"' in heard.stdout, heard.stdout + heard.stderr
-    assert robot.tool("kill", "camera").returncode == 0
-    assert robot.tool("revive", "camera").returncode == 0
-    assert robot.tool("stop", "camera").returncode == 0
-    ended = wait_for(lambda: robot.log("camera", "end"), "the node to stop")
-    assert ended[-1]["reason"] == "asked to stop"
+    robot.working("echo", "camera/hand", "-n", "1", says='"camera/hand"')
+    robot.working("kill", "camera")
+    robot.working("revive", "camera")
+
+    def is_over() -> bool:
+        robot.tool("stop", "camera")
+        return bool(robot.log("camera", "end"))
+
+    wait_for(is_over, "the node to stop")
+    assert robot.log("camera", "end")[-1]["reason"] == "asked to stop"
 
 
 def test_a_node_that_fails_at_its_start_ends_no_run(robot: Robot) -> None:
@@ -157,8 +163,12 @@ def test_with_certificates_a_node_is_heard(robot: Robot) -> None:
     made = robot.msma("keys", "keys", str(file))
     assert made.returncode == 0, made.stderr
     assert (robot.folder / "keys" / "camera.pem").exists()
-    robot.start("launch", str(file), "--robot", robot.name)
+    robot.start("launch", str(file), "--robot", robot.name, "--duration", "10min")
     of = ("--robot", robot.name, "--file", str(file))
     wait_for(lambda: "has seen 6" in robot.msma("status", *of).stdout, "the node to be shown")
-    heard = robot.msma("echo", "camera/hand", "-n", "1", *of)
-    assert '"camera/hand"' in heard.stdout, heard.stdout + heard.stderr
+
+    def is_heard() -> bool:
+        heard = robot.msma("echo", "camera/hand", "-n", "1", *of)
+        return '"camera/hand"' in heard.stdout
+
+    wait_for(is_heard, "what it publishes")

@@ -20,7 +20,7 @@ from runtime.wire.messages import (
     PlatformPose,
 )
 from runtime.wire.packing import unpack
-from tests.runtime.conftest import SOON, ProcessGroup, wait_for
+from tests.runtime.conftest import DEADLINE, SOON, ProcessGroup, wait_for
 
 ARM = ("joint/1", "joint/2", "joint/3")
 
@@ -59,8 +59,11 @@ def until_obeyed(processes: ProcessGroup, after: float, *motors: int) -> dict[st
 
 def test_a_run_with_a_duration_ends_by_itself_in_every_process(processes: ProcessGroup) -> None:
     processes.options += ["--duration", "1s"]
-    roles = ("plant", "goal", "joint/1", "platform")
-    processes.start(*roles)
+    roles = ("plant", "joint/1", "platform", "goal")
+    processes.start(*roles[:3])  # without a goal no time passes, however late one of them joins
+    bus = processes.visit()
+    wait_for(lambda: len(bus.who_is_alive()) == 3, "these to be there")
+    processes.start("goal")
     for role in roles:
         code, said = processes.result(role)
         assert (code, said.splitlines()[-1]) == (0, f"{role} of {processes.robot}: the run is over")
@@ -75,8 +78,13 @@ def test_plant_time_begins_with_the_first_command(processes: ProcessGroup) -> No
     ring = bus.ring(topics.JOINTS)
     for _ in range(10):
         assert unpack(JointStates, ring.recv().data).t == 0.0
-    bus.publisher(topics.joint_command(1)).send(JointCommand(0.0, 0.1))
-    wait_for(lambda: unpack(JointStates, ring.recv().data).t > 0.1, "time to pass")
+    commands = bus.publisher(topics.joint_command(1))
+
+    def passes() -> bool:
+        commands.send(JointCommand(0.0, 0.1))
+        return unpack(JointStates, ring.recv().data).t > 0.1
+
+    wait_for(passes, "time to pass")
 
 
 @pytest.mark.parametrize("role", ["plant", "goal", "joint/1"])
@@ -91,7 +99,7 @@ def test_who_is_alone_ends_with_a_message_when_patience_ends(
 
 
 def test_when_the_plant_is_gone_the_others_end_soon(processes: ProcessGroup) -> None:
-    processes.options += ["--set", "patience=5s"]  # on a busy machine each may join seconds late
+    processes.options += ["--set", "patience=10s"]  # on a busy machine each may join seconds late
     processes.start("plant", "goal", "joint/1")
     bus = processes.visit()
     for role in ("goal", "joint/1"):
@@ -100,7 +108,7 @@ def test_when_the_plant_is_gone_the_others_end_soon(processes: ProcessGroup) -> 
     for role in ("goal", "joint/1"):
         code, said = processes.result(role)
         assert code == 1
-        assert "no message of the plant for 5 s" in said
+        assert "no message of the plant for 10 s" in said
 
 
 @pytest.mark.parametrize(
@@ -123,8 +131,9 @@ def test_a_process_that_is_asked_to_stop_says_so_and_stops(processes: ProcessGro
     processes.start("joint/2")
     bus = processes.visit()
     wait_for(lambda: processes.diag(bus, "joint/2"), "it to be there")
-    assert [answer.data for answer in bus.ask(topics.stop("joint/2"))] == [b"ok"]
-    assert processes.result("joint/2", timeout=SOON)[0] == 0
+    process = processes.all["joint/2"]
+    wait_for(lambda: bus.ask(topics.stop("joint/2")) or process.poll() is not None, "it to say so")
+    assert processes.result("joint/2")[0] == 0
 
 
 def test_a_second_process_in_the_same_role_is_told_that_its_port_is_taken(
@@ -171,7 +180,7 @@ def test_a_revived_agent_is_heard_again_and_nobody_else_is_restarted(
     command = unpack(JointCommand, ring.recv().data)
     while command.by in former:
         command = unpack(JointCommand, ring.recv().data)
-    assert time.monotonic() - started < SOON
+    assert time.monotonic() - started < DEADLINE
     assert len(log(processes, "joint/1", "start")) == 2
     assert len(log(processes, "plant", "start")) == 1
 
@@ -242,11 +251,14 @@ def test_the_arm_follows_its_goal_when_the_goal_source_is_killed(processes: Proc
     goal = unpack(GoalMessage, goals.recv().data)
     processes.kill("goal")
     processes.until(bus, "plant", lambda diag: diag.t > 4.0, "goes on to 4 s")
-    hand = unpack(EndEffectorPose, bus.ring(topics.HAND).recv().data)
-    for i in range(3):
-        assert hand.position[i] == pytest.approx(
-            goal.position[i] + goal.velocity[i] * (hand.t - goal.since), abs=0.02
-        )
+    hands = bus.ring(topics.HAND)
+
+    def follows() -> bool:
+        hand = unpack(EndEffectorPose, hands.recv().data)
+        there = [goal.position[i] + goal.velocity[i] * (hand.t - goal.since) for i in range(3)]
+        return math.dist(hand.position, there) < 0.02
+
+    wait_for(follows, "the hand to be at the goal, which moves on")
 
 
 def test_no_goal_stands_at_a_corner_before_the_next_piece_has_arrived(
@@ -271,7 +283,7 @@ def test_a_fault_is_confirmed_and_breaks_the_joint(processes: ProcessGroup) -> N
     processes.start("plant", "goal", "joint/1")
     bus = processes.visit()
     processes.until(bus, "plant", answered_by("joint/1"), "is answered")
-    (answer,) = bus.ask(topics.FAULT, b"joint/1:locked")
+    (answer,) = wait_for(lambda: bus.ask(topics.FAULT, b"joint/1:locked"), "an answer")
     assert (answer.data, answer.agreed) == (b"ok", True)
     wait_for(lambda: log(processes, "plant", "fault"), "the fault in the log")
     t = log(processes, "plant", "fault")[0]["t"]
@@ -291,7 +303,7 @@ def test_a_lost_encoder_leaves_the_others_sighted(processes: ProcessGroup) -> No
     processes.start("plant", "goal", "joint/1")
     bus = processes.visit()
     processes.until(bus, "plant", answered_by("joint/1"), "is answered")
-    bus.ask(topics.FAULT, b"encoder/2:lost")
+    wait_for(lambda: bus.ask(topics.FAULT, b"encoder/2:lost"), "an answer")
     ring = bus.ring(topics.JOINTS)
 
     def look() -> JointStates | None:

@@ -2,7 +2,7 @@
 
 from runtime.wire.bus import Bus
 from runtime.wire.mesh import on_loopback, port_base
-from tests.runtime.conftest import ROOT, Robot, wait_for
+from tests.runtime.conftest import ROOT, RUN_DEADLINE, Robot, wait_for
 
 SLOW = """
 import time
@@ -24,17 +24,24 @@ def test_a_slow_agent_costs_no_links_and_disturbs_no_others(robot: Robot) -> Non
     assert text != usual
     file = robot.folder / "slow.yaml"
     file.write_text(text + "plant: {hold: 2 s}\n")
-    robot.start("launch", str(file), "--robot", robot.name, "--duration", "60s")
+    robot.start("launch", str(file), "--robot", robot.name, "--duration", "10min")
     robot.until(1.0)
     seen: list[tuple[str, bool]] = []
     place = on_loopback(port_base(robot.name), 16).visitor()
     with Bus(robot.name, "a test", place, 1) as bus:
         bus.watch_alive(lambda key, there: seen.append((key, there)))
         wait_for(lambda: len(seen) >= 9, "all processes")
-        robot.until(6.0)
-    gone = {key for key, there in seen if not there}
-    # if the test itself stands still for a quarter of a second, it loses its links to all of them
-    assert gone in (set(), {key for key, _ in seen})
-    ticks = [tick for tick in robot.log("plant", "tick") if 1.0 < tick["t"] < 6.0]
-    ages = [tick["age"] for tick in ticks]
-    assert all(age is not None for tick in ages for age in tick[:5]), "no other joint stands still"
+
+        def are_undisturbed() -> bool:
+            """Tell whether for 5 s all keep their links, and all other joints their commands.
+
+            On a busy machine any process may stand still for a while, but not over and over.
+            """
+            seen.clear()
+            t = robot.t
+            robot.until(t + 5.0)
+            ages = [tick["age"] for tick in robot.log("plant", "tick") if t < tick["t"] <= t + 5.0]
+            stood = [age for tick in ages for age in tick[:5] if age is None]
+            return not stood and all(there for _, there in seen)
+
+        wait_for(are_undisturbed, "the others to be undisturbed", RUN_DEADLINE)

@@ -77,8 +77,8 @@ def _obeyed(robot: Robot) -> int:
 
 def test_a_copy_that_was_killed_can_be_revived(robot: Robot) -> None:
     code, said = robot.run(
-        *("--duration", "4s", "--speed", "2", "--set", "agents.joint/1.copies=2"),
-        *("--kill", "joint/1@1", "--revive", "joint/1@1.5"),
+        *("--duration", "12s", "--set", "agents.joint/1.copies=2"),
+        *("--kill", "joint/1@3", "--revive", "joint/1@4"),
     )
     assert code == 0, said
     assert len(robot.log("joint/1", "start")) == 3

@@ -106,10 +106,13 @@ def test_robots_whose_names_share_their_ports_run_at_once_and_are_found(
             robot.launch("--duration", "60s")
         for robot in robots:
             robot.until(0.1)
-            said = robot.tool("status")
-            assert said.stdout.startswith(f"{robot.name}: "), said.stderr
-            assert "joint/6" in said.stdout
-            assert robot.tool("stop").returncode == 0
+            assert robot.working("status", says="joint/6").startswith(f"{robot.name}: ")
+
+            def has_stopped(robot: Robot = robot) -> bool:
+                robot.tool("stop")
+                return not robot.processes()
+
+            wait_for(has_stopped, "its end")
 
 
 def names_at(base: int) -> Iterator[str]:

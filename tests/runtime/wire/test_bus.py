@@ -239,8 +239,8 @@ def test_an_answer_that_was_sent_on_another_key_is_none(network: Network) -> Non
         topics.diag("joint/2"),
         lambda query: query.reply(topics.diag("joint/2"), b"", attachment=topics.diag("joint/3")),
     )
-    wait_for(lambda: tool.ask(topics.diag("joint/1")), "an answer")
-    assert [answer.data for answer in tool.ask(topics.EVERY_DIAG)] == [b"sound"]
+    said = wait_for(lambda: tool.ask(topics.EVERY_DIAG), "an answer")
+    assert [answer.data for answer in said] == [b"sound"]
 
 
 def test_an_answer_that_comes_too_late_is_none(network: Network) -> None:
@@ -298,10 +298,10 @@ def test_tokens_show_who_comes_and_who_goes(network: Network) -> None:
     plant = topics.alive("plant", early.incarnation)
     joint = topics.alive("joint/1", late.incarnation)
     wait_for(lambda: {(plant, True), (joint, True)} <= set(seen), "both")
-    assert set(tool.who_is_alive()) == {plant, joint}
+    wait_for(lambda: set(tool.who_is_alive()) == {plant, joint}, "both to be there")
     late.close()
     wait_for(lambda: (joint, False) in seen, "the end of one")
-    assert tool.who_is_alive() == [plant]
+    wait_for(lambda: tool.who_is_alive() == [plant], "the other to be there alone")
 
 
 class SlowLine:

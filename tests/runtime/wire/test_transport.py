@@ -58,6 +58,6 @@ def test_the_links_of_a_bus_are_found(processes: ProcessGroup) -> None:
 
         def all_found() -> bool:
             found["ends"] += disable_linger()
-            return found["ends"] == 2
+            return found["ends"] >= 2  # more if a busy machine closes the link and makes another
 
         wait_for(all_found, "both ends of their link")

@@ -33,10 +33,10 @@ on a busy machine a press may end before.
 """
 CLOCK = """() => {
   window.said = [];
-  addEventListener('pointerdown', () => {
-    window.since = performance.now();
+  addEventListener('pointerdown', () => window.since = performance.now(), true);
+  addEventListener('pointerdown', () => {  // after STOP itself
     setTimeout(() => window.half = performance.now() - since, 500);
-  }, true);
+  });
   new MutationObserver(() => {
     const text = document.body.innerText;
     const known = ['NOT CONFIRMED', 'confirmed by the robot', 'STOP sent'];

@@ -132,7 +132,7 @@ class RobotWithPage(Robot):
             ),
             "stick": (
                 lambda: page.evaluate("pad.axes = [0, -1, 0, 0]"),
-                lambda: page.evaluate("pad.axes = [0, 0, 0, 0]"),
+                lambda: page.evaluate("pad.axes = [0, 0, 0, 0]") or page.wait_for_timeout(300),
             ),
         }[by]
 
@@ -145,7 +145,7 @@ class RobotWithPage(Robot):
             start = self.now
             press()
             if by == "stick":  # which the page looks at from time to time
-                page.locator(f"[data-move={move}].held").wait_for()
+                page.wait_for_timeout(300)
             while "held" in (button.get_attribute("class") or ""):
                 if self.now.off(start) > far:
                     return True

@@ -14,6 +14,7 @@ def test_stop_is_sent_and_confirmed_and_stays_until_it_is_released(page: Any, st
     page.get_by_role("button", name="STOP", exact=True).click()
     page.get_by_text("STOP confirmed by the robot after").wait_for()
     assert stub.halted, "a second STOP does not release"
+    page.locator("body[data-halted=true]").wait_for()
     page.get_by_role("button", name="Up", exact=True).click(force=True)
     page.get_by_role("status").get_by_text("Press Release first").wait_for()
     page.get_by_role("button", name="Release").click()

@@ -357,9 +357,9 @@ def test_a_joint_that_is_pressed_beyond_the_end_of_its_range_is_named(page: Any)
 def test_the_pages_process_needs_little(page: Any, robot: RobotWithPage) -> None:
     """Of computing time by the seconds of the robot, which a busy machine hardly changes."""
     process = psutil.Process(robot.pid("hmi"))
-    before, since = process.cpu_times(), robot.now.t
+    before, since, began = process.cpu_times(), robot.now.t, time.monotonic()
     wait_for(lambda: robot.now.t >= since + WATCHED, "the robot goes on")
-    after, until = process.cpu_times(), robot.now.t
+    after, until, ended = process.cpu_times(), robot.now.t, time.monotonic()
     used = after.user + after.system - before.user - before.system
-    assert used / (until - since) < CORE
+    assert used / max(until - since, ended - began) < CORE  # a page works while its plant is late
     assert process.memory_info().rss < MEMORY
