@@ -21,7 +21,13 @@ from runtime.processes.process import Process
 from runtime.processes.timing import freshness
 from runtime.wire import topics
 from runtime.wire.arbitration import TopicInput
-from runtime.wire.operator_messages import JogMessage, Mode, OperatorState
+from runtime.wire.operator_messages import (
+    STANDS_STILL,
+    STOOD_STILL,
+    JogMessage,
+    Mode,
+    OperatorState,
+)
 from runtime.wire.packing import pack
 from runtime.wire.refusals import MessageError, Reason
 
@@ -219,7 +225,7 @@ class OperatorInput:
         request = _Request(act)
         self._requests.append(request)
         if not request.done.wait(max(_ACTS, 2 * self._period)):
-            raise RunError("the plant's control loop stands still")
+            raise RunError(STANDS_STILL)
         if request.error is not None:
             raise request.error
         assert request.state is not None
@@ -250,7 +256,7 @@ class OperatorInput:
 
         def acts_in_time() -> None:
             if self.gate.is_deaf(self._updated):
-                raise GateError("the plant stood still for a moment: ask again")
+                raise GateError(STOOD_STILL)
             act()
 
         return acts_in_time

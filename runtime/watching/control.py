@@ -9,7 +9,7 @@ from runtime.errors import NotConfirmed, RunError
 from runtime.spawning.local import ProcessGroup
 from runtime.wire import topics
 from runtime.wire.bus import Bus
-from runtime.wire.operator_messages import OperatorState
+from runtime.wire.operator_messages import STANDS_STILL, STOOD_STILL, OperatorState
 from runtime.wire.packing import unpack_valid
 
 _ANSWER = 1.0  # [s] to wait for the answer to a request
@@ -69,16 +69,19 @@ class Control:
         return self._confirmed(topics.MODE, text, timeout)
 
     def _confirmed(self, key: str, text: str, timeout: float) -> Confirmation:
-        """Ask until the plant has answered: all these requests may be repeated."""
-        began = time.monotonic()
+        """Ask until the plant has acted, also one that is held up: all these may be repeated."""
+        began, refused = time.monotonic(), False
         while (left := began + timeout - time.monotonic()) > 0:
             for answer in self._bus.answers(key, text.encode(), min(left, _CONFIRMED)):
                 if not answer.agreed:
-                    raise RunError(answer.data.decode(errors="replace"))
-                if (state := unpack_valid(OperatorState, answer.data)) is not None:
+                    said = answer.data.decode(errors="replace")
+                    if said not in (STOOD_STILL, STANDS_STILL):
+                        raise RunError(said)
+                    refused = said == STOOD_STILL  # the other is no answer: it may act on it yet
+                elif (state := unpack_valid(OperatorState, answer.data)) is not None:
                     return Confirmation(state, time.monotonic() - began)
             time.sleep(_PAUSE)
-        raise NotConfirmed(timeout)
+        raise RunError(STOOD_STILL) if refused else NotConfirmed(timeout)
 
     def fault(self, text: str) -> str:
         """Ask the plant for a fault, such as `joint/1:locked`, and return its answer.

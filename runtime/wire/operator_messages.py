@@ -22,6 +22,11 @@ Mode = Literal["rest", "automatic", "shared", "manual"]
 """Who moves the robot: nobody, its agents, its agents while a person holds a button, that person.
 """
 
+STOOD_STILL = "the plant stood still for a moment: ask again"
+"""Why a plant that was held up refuses what may have been asked long before."""
+STANDS_STILL = "the plant's control loop stands still"
+"""Why one that is held up cannot say that it has acted."""
+
 
 class JogMessage(Message, frozen=True, gc=False, omit_defaults=True):
     """What a person holds down; published at 20 Hz from the moment of pressing on.

@@ -8,13 +8,12 @@ import json
 import math
 import os
 import random
-import re
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import ExitStack, suppress
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 import pytest
@@ -23,14 +22,13 @@ from runtime.config.deployment import load
 from runtime.errors import NotConfirmed, RunError
 from runtime.results.evaluation import errors
 from runtime.results.run_log import RunLog, RunLogError, read_run_log
-from runtime.watching.control import Confirmation, Control
+from runtime.watching.control import Control
 from runtime.wire import topics
 from runtime.wire.bus import Bus
 from runtime.wire.mesh import on_loopback, port_base
 from runtime.wire.messages import GoalMessage
 from tests.runtime.conftest import DEADLINE, FOLLOWS, ROOT, RUN_DEADLINE, Robot, wait_for
 
-T = TypeVar("T")
 PAGE = '''
 import json
 from contextlib import suppress
@@ -112,26 +110,9 @@ class Driven:
         """Hold nothing any more."""
         (self.robot.run_folder / "press.json").unlink(missing_ok=True)
 
-    def asked(self, request: Callable[[], T]) -> T:
-        """Return what a request finds, asked again while a busy plant's loop is late."""
-
-        def look() -> tuple[T] | None:
-            try:
-                return (request(),)
-            except RunError as error:
-                if not re.search("st(ood|ands) still", str(error)):
-                    raise
-                return None
-
-        return wait_for(look, "the plant to take it")[0]
-
     def mode(self, mode: str) -> None:
         """Choose a mode, of a robot that is not halted."""
-        self.asked(lambda: self.control.mode(mode, timeout=DEADLINE))
-
-    def halt(self, by: str) -> Confirmation:
-        """Halt it."""
-        return self.asked(lambda: self.control.halt(by, DEADLINE))
+        self.control.mode(mode, timeout=DEADLINE)
 
     def says(self, text: str) -> bool:
         """Return whether the first line of its status has a text."""
@@ -179,7 +160,7 @@ def at_rest(driven: Driven) -> None:
     driven.let_go()
     with suppress(ProcessLookupError):
         os.kill(driven.robot.pid("hmi"), signal.SIGCONT)
-    driven.asked(lambda: driven.control.release(DEADLINE))
+    driven.control.release(DEADLINE)
     driven.mode("rest")
     if driven.robot.pid("hmi") not in driven.robot.processes():
         driven.robot.working("revive", "hmi")
@@ -216,7 +197,7 @@ def test_a_halt_holds_whatever_is_pressed_or_revived(driven: Driven) -> None:
     driven.robot.working("halt", says="is halted, confirmed by its plant after")
     t = driven.t_at(time.time()) + WITHIN
     for _ in range(20):
-        assert driven.halt("another").state.halted_by != "another"
+        assert driven.control.halt("another", DEADLINE).state.halted_by != "another"
     with pytest.raises(RunError, match="release it first"):
         driven.mode("shared")
     driven.robot.working("kill", "joint/2")
@@ -271,7 +252,7 @@ def test_a_plant_that_is_revived_starts_at_rest_and_as_halted_as_it_was(driven: 
     driven.mode("automatic")
     began = driven.robot.t
     wait_for(lambda: driven.moved_since(began + 0.2), "the agents to move it")
-    driven.halt("a test")
+    driven.control.halt("a test", DEADLINE)
     driven.robot.working("kill", "plant")
     driven.robot.working("revive", "plant")
     wait_for(driven.has_begun, "the plant to go on")
