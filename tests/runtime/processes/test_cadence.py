@@ -12,6 +12,7 @@ from runtime.processes.timing import Cadence, apart
 from runtime.wire import topics
 from runtime.wire.messages import JointCommand
 from runtime.wire.packing import unpack
+from runtime.wire.zenoh_internals import callbacks
 from tests.runtime.conftest import ProcessGroup, wait_for
 from tests.runtime.in_process import live_as_joint_1
 
@@ -142,7 +143,11 @@ def test_in_between_the_last_decision_changes_as_the_agent_says(processes: Proce
     assert max(late) > 0.5 * REST
 
 
-def test_no_state_waits_for_a_thought(processes: ProcessGroup) -> None:
+def test_no_state_waits_for_a_thought(
+    processes: ProcessGroup, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # a reaction that a busy machine held up is taken for a long one, but not for a minute
+    monkeypatch.setattr(callbacks, "_LEAK", 1.0)
     agent = Counts(takes=0.1)  # in which even a busy machine's plant has some more states
 
     def meanwhile(said: list[JointCommand]) -> bool:

@@ -157,13 +157,17 @@ def fetches(robot: Robot, speed: float, *options: str) -> bool:
     return False
 
 
+@pytest.mark.timeout(600)
 def test_a_cup_is_fetched_though_goal_source_and_gripper_agent_are_killed(robot: Robot) -> None:
     kinematic = "plant.class=plant.kinematic:KinematicPlant"  # which keeps pace on a busy machine
     killed = "--kill", "goal@27", "--revive", "goal@29", "--kill", "gripper@34"
     options = "--set", kinematic, "--set", "goal.copies=1", *killed
-    if not fetches(robot, 4.0, *options):
+    for speed in (4.0, 1.0, 0.5):
+        if fetches(robot, speed, *options):
+            break
         assert not robot.is_in_time, "its agents had time enough"
-        assert fetches(robot, 1.0, *options)
+    else:
+        pytest.fail("it is not fetched at any speed")
     assert state(robot)["holds"]
     assert [each["holds"] for each in robot.log("plant", "gripper")] == [True]
 
