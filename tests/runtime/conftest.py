@@ -15,6 +15,7 @@ from typing import Any, TypeVar
 import pytest
 
 from runtime.config.deployment import load
+from runtime.results.evaluation import errors
 from runtime.results.logs import read_log
 from runtime.results.run_log import read_run_log
 from runtime.wire import topics
@@ -213,6 +214,17 @@ class Robot:
     def follows(self) -> float:
         """How closely the hand has to follow in its last run [m]."""
         return CLOSE if self.is_in_time else FOLLOWS
+
+    @property
+    def error_at_the_end(self) -> float:
+        """The least error of the hand in the last second of its last run [m].
+
+        At any one tick it may be late, on a busy machine.
+        """
+        path = load(self.run_folder / "deployment.yaml").goal
+        assert path is not None
+        log = read_run_log(self.run_folder)
+        return float(errors(log, path.build())[log.t > log.t[-1] - 1.0, 0].min())
 
     @property
     def summary(self) -> dict[str, Any]:

@@ -5,10 +5,8 @@ import signal
 import numpy as np
 import pytest
 
-from runtime.config.deployment import load
-from runtime.results.evaluation import errors
 from runtime.results.run_log import read_run_log
-from tests.runtime.conftest import ROOT, RUN_DEADLINE, TOLERANCE, Robot, wait_for
+from tests.runtime.conftest import RUN_DEADLINE, TOLERANCE, Robot, wait_for
 
 ROLES = ("goal", *(f"joint/{number}" for number in range(1, 7)), "platform")
 
@@ -17,14 +15,6 @@ def deeds(robot: Robot, *actions: str) -> list[tuple[str, str]]:
     """What was done, by whom it was done to."""
     lines = robot.log("launcher", "chaos") + robot.log("successor", "chaos")
     return [(line["action"], line["target"]) for line in lines if line["action"] in actions]
-
-
-def error_at_the_end(robot: Robot) -> float:
-    """Return the least error of the last second [m]: at any one tick a busy machine may be late."""
-    path = load(ROOT / "deploy" / "arph.yaml").goal
-    assert path is not None
-    record = read_run_log(robot.run_folder)
-    return float(errors(record, path.build())[record.t > record.t[-1] - 1.0, 0].min())
 
 
 def test_each_is_hung_once_and_the_hand_gets_there(robot: Robot) -> None:
@@ -58,7 +48,7 @@ def test_each_is_killed_once_the_launcher_first_and_the_hand_gets_there(robot: R
         assert robot.log(role, "end")[0]["reason"] == "the run is over"
     record = read_run_log(robot.run_folder)
     assert record.t[-1] == pytest.approx(24.0)
-    assert error_at_the_end(robot) < TOLERANCE
+    assert robot.error_at_the_end < TOLERANCE
     told = ~np.isnan(record.age[record.t > 20.0])
     assert told.any(axis=0).all(), "every motor is told what to do again"
 
@@ -85,7 +75,7 @@ def test_who_starts_after_the_goal_s_source_was_lost_learns_of_the_goal(
     assert code == 0, said
     for role in losses:
         assert len(robot.log(role, "start")) == 2
-    assert error_at_the_end(robot) < TOLERANCE
+    assert robot.error_at_the_end < TOLERANCE
 
 
 def test_who_hangs_to_the_end_is_ended_by_the_launcher_s_heir(robot: Robot) -> None:

@@ -11,8 +11,6 @@ from pathlib import Path
 
 import pytest
 
-from runtime.config.deployment import load
-from runtime.results.evaluation import errors
 from runtime.results.run_log import read_run_log
 from runtime.results.summary import MISSED
 from tests.runtime.conftest import FOLLOWS, RUN_DEADLINE, TOLERANCE, Robot, wait_for
@@ -50,23 +48,11 @@ def rehearse(robot: Robot, *options: str) -> "subprocess.Popen[str]":
 def finish(launcher: "subprocess.Popen[str]") -> str:
     """Wait for the end of a launch that is to end well; return what it said.
 
-    Its hand may be off its goal at that moment: `is_near` tells.
+    Its hand may be off its goal at that moment: see `Robot.error_at_the_end`.
     """
     out, err = launcher.communicate(timeout=RUN_DEADLINE)
     assert launcher.returncode in (0, MISSED), out + err
     return out
-
-
-def is_near(robot: Robot) -> bool:
-    """Tell whether the hand was at its goal at any time of the last two seconds of the run.
-
-    At the very end an agent may just stand still, on a busy machine.
-    """
-    path = load(robot.run_folder / "deployment.yaml").goal
-    assert path is not None
-    record = read_run_log(robot.run_folder)
-    off = errors(record, path.build())[:, 0]
-    return bool((off[record.t >= record.t[-1] - 2.0] < TOLERANCE).any())
 
 
 def host(robot: Robot, name: str) -> int:
@@ -98,7 +84,7 @@ def test_hosts_that_are_cut_off_are_commanded_again_soon_after_they_are_back(
     last, again = max(gaps, key=lambda gap: gap[1] - gap[0])
     assert 2.0 < last < 4.5
     assert 6.0 < again < 6.0 + BACK
-    assert is_near(robot)
+    assert robot.error_at_the_end < TOLERANCE
     hosts = {process["role"]: process["host"] for process in robot.summary["processes"]}
     assert (hosts["plant"], hosts["joint/1"], hosts["goal"]) == ("robot", "arm", "base")
 
@@ -147,7 +133,7 @@ def test_when_the_first_host_dies_the_others_go_on_and_newcomers_join(robot: Rob
         )
         assert told is not None, said
         assert float(told[1]) < RECONNECTED
-    assert is_near(robot)
+    assert robot.error_at_the_end < TOLERANCE
 
 
 def test_an_interrupted_rehearsal_ends_as_any_launch_does(robot: Robot) -> None:
