@@ -39,8 +39,7 @@ def test_a_revived_process_goes_on_in_the_same_file(tmp_path: Path) -> None:
 def test_what_was_flushed_is_on_disk_should_the_process_be_killed(tmp_path: Path) -> None:
     log = LogWriter(tmp_path, "goal")
     log.write(0.0, "early")
-    log.flush()
-    log.write(0.0, "late")
+    assert log.flush(60.0)
     assert [line["event"] for line in lines(tmp_path / "goal.jsonl")] == ["early"]
     log.close()
 
