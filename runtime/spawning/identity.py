@@ -79,8 +79,8 @@ def processes_in(run: Path, role: str) -> list[ProcessId]:
 
 def all_in(run: Path) -> list[tuple[str, ProcessId]]:
     """Return the roles and processes of a run that live on this host, by its logs."""
-    logs = sorted(run.glob("*.jsonl"))
-    found = {each for log in logs for each in _started_in(run, log.stem)}
+    logs = [log.stem for log in run.glob("*.jsonl") if "." not in log.stem]  # with their parts
+    found = [each for log in logs for each in _started_in(run, log)]
     return [each for each in found if each[1].lives()]
 
 

@@ -32,9 +32,11 @@ def run(args: argparse.Namespace) -> int:
             if time.monotonic() > began + _CONNECTS:
                 raise RunError(f"no {args.role} runs")
             time.sleep(0.05)
+        control = Control(bus)
+        control.stop(args.role or "**")  # at once: it may take a while to read the logs
         here = _processes(target, args.role)
         asked = {role for role, _ in (*wanted, *here)}
-        left, control, began = wanted, Control(bus), time.monotonic()
+        left, began = wanted, time.monotonic()
         ended = began
         while (now := time.monotonic()) < began + _PATIENCE and (
             left or here or now < ended + _LATE

@@ -155,15 +155,17 @@ class Robot:
 
         Args:
             verb: Verb.
-            arguments: Its arguments; it is told the robot's name too.
+            arguments: Its arguments; without a file among them it is told the robot's name too.
             says: What it is to say.
 
         Returns:
             What it said.
         """
 
+        call = self.msma if "--file" in arguments else self.tool
+
         def works() -> str:
-            done = self.tool(verb, *arguments)
+            done = call(verb, *arguments)
             came_late = verb == "revive" and "is alive" in done.stderr
             if (done.returncode == 0 and says in done.stdout) or came_late:
                 return done.stdout or "\n"

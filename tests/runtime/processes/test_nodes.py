@@ -166,9 +166,4 @@ def test_with_certificates_a_node_is_heard(robot: Robot) -> None:
     robot.start("launch", str(file), "--robot", robot.name, "--duration", "10min")
     of = ("--robot", robot.name, "--file", str(file))
     wait_for(lambda: "has seen 6" in robot.msma("status", *of).stdout, "the node to be shown")
-
-    def is_heard() -> bool:
-        heard = robot.msma("echo", "camera/hand", "-n", "1", *of)
-        return '"camera/hand"' in heard.stdout
-
-    wait_for(is_heard, "what it publishes")
+    robot.working("echo", "camera/hand", "-n", "1", *of, says='"camera/hand"')

@@ -14,6 +14,7 @@ from runtime.config.deployment import load
 from runtime.config.overrides import Override
 from runtime.doctor.machine import Grade
 from runtime.doctor.network import check_hosts, check_robot, check_running
+from runtime.results.summary import MISSED
 from runtime.watching.discovery import Target
 from runtime.wire.mesh import Mesh
 from runtime.wire.messages import Diag, Spread
@@ -38,12 +39,15 @@ def test_each_host_s_share_is_started_by_hand_and_tools_on_one_find_all(robot: R
     seen = wait_for(status, "all nine processes in the status")
     assert seen["robot"] == robot.name
     said = [share.communicate(timeout=RUN_DEADLINE)[0] for share in shares]
-    assert [share.returncode for share in shares][:2] == [0, 0], said
+    late = () if came_in_time(max((robot.folder / "robot").iterdir())) else (MISSED,)
+    *others, plants = [share.returncode for share in shares]
+    assert others == [0, 0], said
+    assert plants in (0, *late), said
     for name, words in zip(("base", "arm"), said, strict=False):
         ran = re.search(rf"the share of {name} ran to (\S+) s", words)  # what it last heard of
         assert ran is not None, words
         assert 15.0 < float(ran[1]) <= 21.0
-    assert "goal reached" in said[2] or not came_in_time(max((robot.folder / "robot").iterdir()))
+    assert "goal reached" in said[2] or plants == MISSED
     assert robot.processes() == {}
     assert {file.stem for file in (robot.folder / "arm").glob("*/*.jsonl")} == {
         "launcher",

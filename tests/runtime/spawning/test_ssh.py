@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 
+from runtime.results.summary import MISSED
 from tests.runtime.conftest import ROOT, RUN_DEADLINE, Robot, wait_for
 
 SSHD, SSH, KEYGEN = (
@@ -101,8 +102,8 @@ def test_all_hosts_are_started_from_one_terminal_and_their_logs_brought_back(
 ) -> None:
     launcher = by_ssh(robot, "--duration", "30s", "--speed", "3", "--kill", "joint/2@3")
     out, err = launcher.communicate(timeout=RUN_DEADLINE)
-    # a busy machine may be too slow for that speed
-    assert launcher.returncode == 0 or not robot.is_in_time, out + err
+    late = () if robot.is_in_time else (MISSED,)  # a busy machine may be too slow for that speed
+    assert launcher.returncode in (0, *late), out + err
     assert "joint/2 was killed by SIGKILL" in out
     roles = {process["role"]: process for process in robot.summary["processes"]}
     assert len(roles) == 9

@@ -298,16 +298,12 @@ def test_all_tools_work_by_the_operator_s_certificate(robot: Robot, tmp_path: Pa
     )
     robot.until(0.3)
     msma = tool(robot)
-
-    def says(words: str, *arguments: str) -> None:
-        """Wait until a tool says so: on a busy machine who is asked may answer too late."""
-        wait_for(lambda: words in msma(*arguments).stdout, f"{arguments} to say {words!r}")
-
-    says("joint/4:weak=0.5: ok\n", "fault", "joint/4:weak=0.5")
-    says('"key": "goal"', "echo", "goal", "-n", "1")
-    says("arm/joint/1/cmd: ", "hz", "arm/joint/*/cmd", "--seconds", "0.3")
-    says("killed joint/2", "kill", "joint/2")
-    wait_for(lambda: msma("revive", "joint/2").returncode == 0, "joint/2 to be revived")
+    of = ("--file", str(robot.run_folder / "deployment.yaml"))
+    robot.working("fault", "joint/4:weak=0.5", *of, says="joint/4:weak=0.5: ok\n")
+    robot.working("echo", "goal", "-n", "1", *of, says='"key": "goal"')
+    robot.working("hz", "arm/joint/*/cmd", "--seconds", "0.3", *of, says="arm/joint/1/cmd: ")
+    robot.working("kill", "joint/2", *of, says="killed joint/2")
+    robot.working("revive", "joint/2", *of)
 
     def all_shown() -> list[str] | None:
         """Return the lines of status once all have been heard: a busy machine connects slowly."""
@@ -319,8 +315,7 @@ def test_all_tools_work_by_the_operator_s_certificate(robot: Robot, tmp_path: Pa
     refused = [line for line in status if REJECTED_CONNECTIONS in line]
     assert [line for line in refused if not OF_TOOLS.search(line)] == []
     wait_for(lambda: "runs already" in msma("doctor").stdout, "the doctor to find it")
-    # without the file: this user has started the run
-    wait_for(lambda: robot.tool("status").returncode == 0, "status without the file")
+    robot.working("status")  # without the file: this user has started the run
     wait_for(lambda: msma("stop").returncode == 0 or launcher.poll() is not None, "the stop")
     launcher.communicate(timeout=RUN_DEADLINE)
     assert robot.processes() == {}

@@ -4,7 +4,7 @@ import math
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -121,6 +121,8 @@ class RobotWithPage(Robot):
 
         On a busy machine the press may end before, since it was too slow: it is pressed again.
         """
+        from playwright.sync_api import TimeoutError as CannotPress
+
         button = page.locator(f"[data-move={move}]")
         button.evaluate("it => it.scrollIntoView({block: 'center'})")
         press, let_go = {
@@ -145,7 +147,8 @@ class RobotWithPage(Robot):
             start = self.now
             press()
             if by == "stick":  # which the page looks at from time to time
-                page.wait_for_timeout(300)
+                with suppress(CannotPress):  # or refuses it
+                    page.locator(f"[data-move={move}].held").wait_for(timeout=2000)
             while "held" in (button.get_attribute("class") or ""):
                 if self.now.off(start) > far:
                     return True
