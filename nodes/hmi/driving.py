@@ -93,7 +93,7 @@ class Driving:
         self._grip = grip_axes(robot)
         self._has_gripper_agent = has_gripper_agent
         self._led: LedGoal | None = None
-        self._deviation = 0.0  # of the presses before: see `LedGoal`
+        self._caution = 0.0  # of the presses before: see `LedGoal`
         self._wanted_grip: WantedGrip | None = None
         self._start: Place = seen.place
         self._explained = False  # that this press does not get on
@@ -177,7 +177,7 @@ class Driving:
         self._led = self._wanted_grip = None
         if press.jog.mode == "shared" and self.seen.hand is not None:
             lease, step = self._times.lease, press.jog.step
-            self._led = LedGoal(self.seen.hand, now, lease, step, self._deviation)
+            self._led = LedGoal(self.seen.hand, now, lease, step, self._caution)
 
     def _move_hand(self, press: Press, painted: float, now: float) -> None:
         """Move the goal ahead of the hand."""
@@ -305,7 +305,7 @@ class Driving:
                     self._link.stand(pose_of(self.seen.hand), self.seen.t)
                     self._settles_until = now + _SETTLES
                 if self._led is not None:
-                    self._deviation = self._led.deviation
+                    self._caution = self._led.caution
                 self._led = None
 
     def _params(self, why: str) -> dict[str, str | float | int]:

@@ -38,20 +38,23 @@ Trade-off: with twice as much hands of broken robots stand more often, with half
 sound ones tilt more.
 """
 DEVIATES = 1.5
-"""How far beside its line a hand may come, of `SLACK` and counted `BESIDE` times, and the next goal
-still begins at full speed; at one `SLACK` more it begins at rest.
+"""How far beside its line a hand may come, of `SLACK` and counted `BESIDE` times, before its goal
+is led with caution; at half a `SLACK` more it is in full.
 
-Trade-off: with 1, which hands of sound robots pass as often as not, broken robots keep to as many
-sides, and 17 of 360 places take more than a minute, in place of 12.
+Trade-off: with 1 or less broken robots keep to as many sides, and more places take over a minute.
+"""
+SLOWS = 0.3
+"""Share of its speed that a goal has in full caution: 45 mm/s of 150 mm/s.
+
+Chosen: with 0.1 broken robots keep to no more sides.
+"""
+KEEPS = 10.0
+"""[s] of pressing in which caution fades.
+
+Trade-off: where it stays until the button is let go, places take a third longer.
 """
 STARTS = 1.0
-"""[s] in which a goal that begins slower comes to its full speed; twice as long does as well."""
-KEEPS = 0.7
-"""Share that the next press keeps of how far hands have deviated, if it deviates less itself.
-
-Chosen: with `DEVIATES` 1 broken robots keep to 373 of 384 sides; if it forgets at once, to 371. As
-all figures here, from before the platform's law was mended (docs/modes.md).
-"""
+"""[s] in which a goal that begins with caution comes to its speed; twice as long does as well."""
 WAITS = 1e-3
 """Share of its speed that a goal has that waits: if it stood, joints would try moves by chance."""
 LATELY = 2.0
@@ -150,12 +153,19 @@ class LedGoal:
     and is back with each message where it waits: the platform turns as far as the hand stays on its
     line meanwhile.
 
-    A hand that leaves its line mostly does so as it starts: the platform turns for what it is to go
-    on to, and swings the hand before that is seen. So while hands have deviated of late, in presses
-    before this one, the goal comes to its full speed over `STARTS`: with p the largest
-    b / `SLACK`, of which each press keeps the share `KEEPS`, and t since its begin,
+    A robot with broken joints may not be able to stay on its line: a platform that begins to turn
+    for what it is to go on to swings the hand off it. The goal then waits, says so, and the
+    platform stops and turns back, time and again. So a goal whose hand deviated of late is led with
+    caution. With q the largest 2 (b / SLACK - `DEVIATES`) of late, from 0 to 1, which fades in
+    `KEEPS` also from press to press, and q0 that at the begin of this one, it goes slower, waits
+    sooner, says that it waits, and comes to its speed over `STARTS`: above, it is
 
-        c <= 1 - min(max(p - `DEVIATES`, 0), 1) (1 - t / `STARTS`).
+        v (1 - (1 - `SLOWS`) q)   in place of v,
+        b (1 + q)                 in place of b, and
+        (1 - q) (1 - b / SLACK)   in place of 1 - b / SLACK, and
+        c <= 1 - q0 (1 - t / `STARTS`),   t since its begin.
+
+    Hands of sound robots seldom deviate by so much.
 
     A robot with broken joints cannot always go on and keep its hand turned as it was. It is to go
     where it was sent first: phi fades in the time `YIELDS` / ((|e| / SLACK)^2 (1 - c)^4): where the
@@ -166,10 +176,10 @@ class LedGoal:
         now: When that is [s].
         lease: For how long the goal moves on by itself [s].
         step: Where a bounded step ends [m, or rad if it only turns]; None without a bound.
-        deviation: p, of the presses before.
+        caution: q, of the press before.
 
     Attributes:
-        deviation: p, for the press after this one.
+        caution: q, for the press after this one.
     """
 
     def __init__(
@@ -178,13 +188,12 @@ class LedGoal:
         now: float,
         lease: float,
         step: float | None = None,
-        deviation: float = 0.0,
+        caution: float = 0.0,
     ) -> None:
         self._start = self._goal = self._hand = hand
         self._began = self._last = now
         self._lease, self._step = lease, step
-        self._lacks = min(max(deviation - DEVIATES, 0.0), 1.0)  # at first, of its full speed
-        self.deviation = KEEPS * deviation
+        self.caution = self._lacks = caution  # at first, of its full speed
         self._motion = Motion(np.zeros(3), np.zeros(3))
         self._share = 1.0  # c
         self._pace = self._lately = 1.0  # the share of what moves, and that as of late
@@ -197,6 +206,8 @@ class LedGoal:
         than the leash.
         """
         passed = min(max(now - self._last, 0.0), self._lease)
+        slowed = 1.0 - (1.0 - SLOWS) * self.caution
+        motion = motion._replace(linear=slowed * motion.linear)
         self._watch(hand, now)
         before, self._last = self._motion, now
         self._lately += (1.0 - math.exp(-passed / LATELY)) * (self._pace - self._lately)
@@ -212,19 +223,25 @@ class LedGoal:
         self._goal = Hand(hand.position + ahead, orientation / np.linalg.norm(orientation))
         along, beside = _parts(late - self._going * self._lease, motion.linear)
         beside *= BESIDE
+        self._be_cautious(beside / SLACK, passed)
+        beside *= 1.0 + self.caution
         way = float(np.linalg.norm(motion.linear)) * self._lease
-        self.deviation = max(self.deviation, beside / SLACK)
         most = 1.0 - self._lacks * max(1.0 - (now - self._began) / STARTS, 0.0)
         self._share = share = max(min(_share(along, beside, way), most), WAITS)
         turning = min(share, max(1.0 - float(np.linalg.norm(off)) / LEASH_TURN, WAITS))
         self._pace = share if motion.linear.any() else turning
         self._motion = Motion(share * motion.linear, turning * motion.angular)
-        stated = max(share, min(1.0 - beside / SLACK, most))
+        stated = max(share, (1.0 - self.caution) * min(1.0 - beside / SLACK, most))
         motion = self._motion._replace(linear=stated * motion.linear)
         lasts = min(self._lease, self._left(motion))
         if lasts <= 0.0:
             motion = Motion(np.zeros(3), np.zeros(3))
         return GoalPiece(self._goal, motion, lasts)
+
+    def _be_cautious(self, deviation: float, passed: float) -> None:
+        """Take note of how far beside its line a hand is, of `SLACK`, after some more time [s]."""
+        faded = self.caution * math.exp(-passed / KEEPS)
+        self.caution = max(faded, min(2.0 * (deviation - DEVIATES), 1.0))
 
     def _watch(self, hand: Hand, now: float) -> None:
         """Take note of how fast a hand goes, of which each state may be looked at several times."""
