@@ -144,9 +144,13 @@ class Bus(AbstractContextManager["Bus"]):
     def close(self) -> None:
         """Leave the bus: a loop that waits for messages ends with `BusError`."""
         time.sleep(max(self._asked + _LINGER - time.monotonic(), 0.0))
-        closing = Thread(target=self._session.close, name=_CLOSING, daemon=True)
+        closing = Thread(target=self._close_session, name=_CLOSING, daemon=True)
         closing.start()
         closing.join(_CLOSES)
+
+    def _close_session(self) -> None:
+        with suppress(zenoh.ZError):  # it gives closing up, after some 10 s
+            self._session.close()  # type: ignore[no-untyped-call]
 
     def publisher(self, key: str, topic: Topic | None = None) -> Publisher:
         """Return what publishes on one key, as its `topic` says: by default the standard one."""

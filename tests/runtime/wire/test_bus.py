@@ -13,7 +13,7 @@ import zenoh
 
 from plant.errors import MsmaError
 from runtime.wire import topics
-from runtime.wire.bus import Bus, BusError, RingSubscriber
+from runtime.wire.bus import Bus, BusError, RingSubscriber, is_closing
 from runtime.wire.mesh import LOOPBACK, Address, Endpoints, on_loopback
 from runtime.wire.messages import JointCommand
 from runtime.wire.packing import LARGEST, pack, unpack
@@ -369,3 +369,19 @@ def test_closing_does_not_wait_for_whoever_hangs(network: Network, stack: ExitSt
     begun = time.monotonic()
     bus.close()
     assert time.monotonic() - begun < 8.0, "it waited for its attempt, of 10 s, to be over"
+
+
+def test_closing_that_zenoh_gives_up_ends_without_a_traceback(
+    network: Network, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Session:
+        def close(self) -> None:
+            raise zenoh.ZError("close operation timed out!")
+
+    bus, raised = network.join(0), list[threading.ExceptHookArgs]()
+    with monkeypatch.context() as patched:
+        patched.setattr(threading, "excepthook", raised.append)
+        patched.setattr(bus, "_session", Session())
+        bus.close()
+        wait_for(lambda: not is_closing(), "the end of closing")
+    assert not raised
