@@ -51,7 +51,7 @@ Chosen: with 0.1 broken robots keep to no more sides.
 KEEPS = 10.0
 """[s] of pressing in which caution fades.
 
-Trade-off: where it stays until the button is let go, places take a third longer.
+Trade-off: where it stays until the button is let go, places take a seventh longer.
 """
 STARTS = 1.0
 """[s] in which a goal that begins with caution comes to its speed; twice as long does as well."""
@@ -158,11 +158,11 @@ class LedGoal:
     platform stops and turns back, time and again. So a goal whose hand deviated of late is led with
     caution. With q the largest 2 (b / SLACK - `DEVIATES`) of late, from 0 to 1, which fades in
     `KEEPS` also from press to press, and q0 that at the begin of this one, it goes slower, waits
-    sooner, says that it waits, and comes to its speed over `STARTS`: above, it is
+    sooner, says that it waits, and comes to its speed over `STARTS`. Above, it is
 
         v (1 - (1 - `SLOWS`) q)   in place of v,
-        b (1 + q)                 in place of b, and
-        (1 - q) (1 - b / SLACK)   in place of 1 - b / SLACK, and
+        b (1 + q)                 in place of b,
+        (1 - q) (1 - b / SLACK)   in place of 1 - b / SLACK,
         c <= 1 - q0 (1 - t / `STARTS`),   t since its begin.
 
     Hands of sound robots seldom deviate by so much.
@@ -193,7 +193,7 @@ class LedGoal:
         self._start = self._goal = self._hand = hand
         self._began = self._last = now
         self._lease, self._step = lease, step
-        self.caution = self._lacks = caution  # at first, of its full speed
+        self.caution = self._lacks = caution  # q0: what it lacks at first of its speed
         self._motion = Motion(np.zeros(3), np.zeros(3))
         self._share = 1.0  # c
         self._pace = self._lately = 1.0  # the share of what moves, and that as of late
