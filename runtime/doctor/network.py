@@ -10,9 +10,8 @@ from runtime import VERSION
 from runtime.config.deployment import Deployment
 from runtime.doctor.machine import Finding, Grade
 from runtime.spawning.ports import is_taken
-from runtime.watching.discovery import Target, robots_here
+from runtime.watching.discovery import Target, anything_connects, join, robots_here
 from runtime.wire import topics
-from runtime.wire.bus import Bus
 from runtime.wire.mesh import SLOTS
 from runtime.wire.messages import Diag
 from runtime.wire.packing import unpack
@@ -42,7 +41,9 @@ def check_robot(target: Target, roles: int) -> Iterator[Finding]:
     others = sorted(here - {target.robot})
     yield Finding(Grade.OK, "other robots", ", ".join(others) or "none on this machine")
     diags: list[Diag] = []
-    with Bus(target.robot, "a tool", target.mesh.visitor(), 0, target.credentials) as bus:
+    with join(target) as bus:
+        if target.robot in here:  # a busy one that has yet to connect is not one with other ports
+            anything_connects(bus, target)
         asked = time.time()
         answers = bus.ask(topics.EVERY_DIAG, timeout=_TIMEOUT)
         half = (time.time() - asked) / 2

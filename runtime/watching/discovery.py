@@ -101,8 +101,8 @@ def robots_here() -> list[str]:
     return sorted({run.robot for run in runs_of()} | robots_at(*ALL_BASES))
 
 
-def _anything_connects(bus: Bus, target: Target) -> bool:
-    """Return whether any process is there, once all had time to connect.
+def anything_connects(bus: Bus, target: Target) -> bool:
+    """Tell whether any process is there, once all had time to connect.
 
     On the same machine they usually have when a session is open, but not if it is busy or if they
     check certificates. A process that hangs does not connect.
@@ -131,7 +131,7 @@ def join(target: Target) -> Bus:
 def visit(target: Target) -> Iterator[Bus]:
     """Join the bus of a running robot as a tool; `RunError` if nothing runs there."""
     with join(target) as bus:
-        if not _anything_connects(bus, target):
+        if not anything_connects(bus, target):
             mesh = target.mesh
             where = f"ports {mesh.base} and up of {', '.join(mesh.addresses)}"
             hint = "" if target.credentials else f"; {_BY_FILE}"

@@ -2,6 +2,7 @@
 
 import random
 import re
+import signal
 import socket
 import ssl
 import subprocess
@@ -24,10 +25,12 @@ from runtime.wire.packing import pack, unpack
 from runtime.wire.refusals import MessageError
 from runtime.wire.security import OPERATOR, Credentials, names
 from runtime.wire.zenoh_internals.connection_log import ACCESS_LIST, REJECTED_CONNECTIONS
-from tests.runtime.conftest import FOLLOWS, RUN_DEADLINE, Robot, wait_for
+from tests.runtime.conftest import FOLLOWS, RUN_DEADLINE, TOLERANCE, Robot, wait_for
 from tests.runtime.test_launch import ROLES
 from tests.runtime.wire.test_flood import samples
 
+PATH = 24.0
+"""Plant time at which the goal comes to stand [s]; the run goes on until all has been looked at."""
 BY = 77
 """The incarnation that all strangers go by."""
 WILD = ("**", "arm/**", "arm/*", "arm/joint/*/cmd", "diag/**")
@@ -72,16 +75,16 @@ class Siege:
         authority = Authority(robot.name, 10)
         self.keys = folder / "keys"
         write_keys(self.keys, authority, [*names(ROLES), "nobody"], [LOOPBACK])
-        # a busy machine takes long to connect them all; at the end the goal stands
-        options: tuple[str, ...] = ("--speed", "1.5", "--duration", "45s")
-        options += ("--set", "goal.duration=30s")
+        options = ("--speed", "1.5", "--duration", "10min", "--set", f"goal.duration={PATH:g} s")
         options += ("--set", f"security.keys={self.keys}")
         launcher = robot.launch(*options, file="arph-secure.yaml")
         robot.until(1.0)
-        with ExitStack() as self._stack:
+        with ExitStack() as self._stack:  # a busy machine takes long to connect them all
             self._besiege(authority)
+        robot.until(PATH + 1.0)
+        self.stopped = time.time()
+        launcher.send_signal(signal.SIGINT)
         self.out, self.err = launcher.communicate(timeout=RUN_DEADLINE)
-        self.code = launcher.returncode
 
     def _besiege(self, authority: Authority) -> None:
         now = datetime.now(UTC)
@@ -201,7 +204,7 @@ def siege(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Siege]:
 
 
 def test_the_run_reaches_its_goal(siege: Siege) -> None:
-    assert siege.code == 0, siege.out + siege.err
+    assert siege.robot.error_at_the_end < TOLERANCE, siege.out + siege.err
     assert siege.robot.summary["evaluation"]["tracking"]["worst"] < FOLLOWS
 
 
@@ -238,11 +241,8 @@ def test_nobody_is_seen_alive_or_answers_in_place_of_another(siege: Siege) -> No
 
 def test_no_order_of_a_stranger_is_carried_out(siege: Siege) -> None:
     assert siege.robot.log("plant", "fault") == []
-    over = siege.robot.log("plant", "tick")[-1]["wall"]
     for role in ROLES:
-        end = siege.robot.log(role, "end")[-1]
-        # the launcher asks who has not heard of the end, as a stalled process may not have
-        assert end["reason"] == "the run is over" or end["wall"] > over, role
+        assert [end["wall"] > siege.stopped for end in siege.robot.log(role, "end")] == [True], role
 
 
 def test_the_logs_and_the_summary_tell_of_it(siege: Siege) -> None:
