@@ -9,10 +9,10 @@ from agents.others import links_of
 HORIZON = 0.12
 
 
-@pytest.mark.parametrize(
-    ("way", "speed", "moves"), [(0, 0.0, True), (0, 0.1, False), (1, 0.1, False), (2, 0.1, False)]
-)
+@pytest.mark.parametrize("way", range(3))
+@pytest.mark.parametrize(("speed", "moves"), [(0.0, True), (0.02, True), (0.3, False)])
 def test_a_joint_moves_by_chance_unless_the_platform_carries_the_arm_on(body, way, speed, moves):
+    """A platform that only creeps does not: an arm would wait for it for ever."""
     robot = body(0)
     kicks, kick = Kicks(robot, links_of(robot)[0], 1.0, HORIZON), None
     for tick in range(200):
