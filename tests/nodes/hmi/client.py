@@ -13,7 +13,7 @@ from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection, connect
 
 from nodes.hmi.address import Address
-from tests.runtime.conftest import wait_for
+from tests.runtime.conftest import DEADLINE, wait_for
 
 JOG = 0.05  # [s]
 Message = dict[str, Any]
@@ -106,7 +106,7 @@ class Browser:
             self.wait_state(lambda one: one["gate"] and one["gate"]["limit"] == limit, "the limit")
 
     def wait(
-        self, kind: str, fits: Callable[[Message], bool] = lambda _: True, timeout: float = 20.0
+        self, kind: str, fits: Callable[[Message], bool] = lambda _: True, timeout: float = DEADLINE
     ) -> Message:
         def found() -> list[Message]:
             return [one for one in list(self.all) if one["type"] == kind and fits(one)]

@@ -76,8 +76,8 @@ class Siege:
         self.keys = folder / "keys"
         write_keys(self.keys, authority, [*names(ROLES), "nobody"], [LOOPBACK])
         options = ("--speed", "1.5", "--duration", "10min", "--set", f"goal.duration={PATH:g} s")
-        options += ("--set", f"security.keys={self.keys}")
-        launcher = robot.launch(*options, file="arph-secure.yaml")
+        more = ("--set", f"security.keys={self.keys}")
+        launcher = robot.launch(*options, *more, file="arph-secure.yaml")
         robot.until(1.0)
         with ExitStack() as self._stack:  # a busy machine takes long to connect them all
             self._besiege(authority)
