@@ -32,7 +32,7 @@ def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, object, object
 
     Robots run in real time. If several people test at once, each test takes its turn, or there
     would be too many robots for the processors. Of the tests of benches there is only one at a
-    time: they keep all processors busy, and at a priority that goes before that of other programs.
+    time: they keep all processors busy.
     """
     with ExitStack() as stack:
         if item.nodeid.startswith("tests/bench/"):
