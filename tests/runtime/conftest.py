@@ -20,7 +20,7 @@ from runtime.results.logs import read_log
 from runtime.results.run_log import read_run_log
 from runtime.wire import topics
 from runtime.wire.bus import Bus
-from runtime.wire.mesh import on_loopback, port_base
+from runtime.wire.mesh import Mesh, on_loopback, port_base
 from runtime.wire.messages import Diag
 from runtime.wire.packing import unpack
 from tests.ports import reserve_any, reserve_free
@@ -206,6 +206,11 @@ class Robot:
     def run_folder(self) -> Path:
         """The folder of its last run."""
         return max((self.folder / "runs").iterdir(), key=lambda folder: folder.stat().st_mtime)
+
+    @property
+    def mesh(self) -> Mesh:
+        """The addresses and ports of its last run: others than usual if something had those."""
+        return load(self.run_folder / "deployment.yaml").mesh
 
     @property
     def is_in_time(self) -> bool:

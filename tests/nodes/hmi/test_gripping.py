@@ -14,7 +14,6 @@ from plant.robot import Gripper
 from plant.urdf import load
 from runtime.wire import topics
 from runtime.wire.bus import Bus
-from runtime.wire.mesh import on_loopback, port_base
 from runtime.wire.messages import GripperState
 from runtime.wire.packing import unpack_valid
 from tests.nodes.hmi.client import Browser
@@ -115,7 +114,7 @@ class Watched:
     """The gripper of a robot, as it is published."""
 
     def __init__(self, robot: WebRobot, stack: ExitStack) -> None:
-        place = on_loopback(port_base(robot.name), 16).visitor()
+        place = robot.mesh.visitor()
         bus = stack.enter_context(Bus(robot.name, "a test", place, random.getrandbits(60)))
         self._ring = bus.ring(topics.GRIPPER, 1)
         self._last = GripperState(0.0, GRIPPER.most, False)

@@ -7,7 +7,7 @@ from msgspec.structs import replace
 
 from runtime.wire import topics
 from runtime.wire.bus import Bus
-from runtime.wire.mesh import FIRST_COPY, LOOPBACK, on_loopback, port_base
+from runtime.wire.mesh import FIRST_COPY, LOOPBACK
 from runtime.wire.messages import EndEffectorPose, JointStates
 from runtime.wire.packing import stamped, unpack
 from tests.runtime.conftest import Robot
@@ -21,7 +21,7 @@ def test_one_message_with_a_huge_time_neither_ends_a_run_nor_fires_its_chaos(
 ) -> None:
     robot.launch("--duration", "10min", "--kill", "joint/5@9min")  # long after this is over
     robot.until(1.0)  # by then it has its ports, which a bus of ours beside them would spoil
-    place = on_loopback(port_base(robot.name), 16).copy_endpoints(FIRST_COPY, LOOPBACK)
+    place = robot.mesh.copy_endpoints(FIRST_COPY, LOOPBACK)
     with Bus(robot.name, "a test", place, random.getrandbits(60)) as bus:
         robot.until(6.0)  # by then the launcher has found who is in a copy's slot
         for key, kind in ((topics.HAND, EndEffectorPose), (topics.JOINTS, JointStates)):

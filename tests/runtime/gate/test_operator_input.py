@@ -25,7 +25,6 @@ from runtime.results.run_log import RunLog, RunLogError, read_run_log
 from runtime.watching.control import Control
 from runtime.wire import topics
 from runtime.wire.bus import Bus
-from runtime.wire.mesh import on_loopback, port_base
 from runtime.wire.messages import GoalMessage
 from tests.runtime.conftest import DEADLINE, FOLLOWS, ROOT, RUN_DEADLINE, Robot, wait_for
 
@@ -81,7 +80,7 @@ class Driven:
         robot.start("launch", file, "--robot", robot.name, "--set", patience)
         robot.until(0.3)
         self.presses = 0
-        place = on_loopback(port_base(robot.name), 16).visitor()
+        place = robot.mesh.visitor()
         self.bus = stack.enter_context(Bus(robot.name, "a test", place, random.getrandbits(60)))
         self.control = Control(self.bus)
 

@@ -9,7 +9,6 @@ from runtime.config.deployment import load
 from runtime.config.tree import ConfigError
 from runtime.watching.local import diags
 from runtime.wire.bus import Bus
-from runtime.wire.mesh import on_loopback, port_base
 from runtime.wire.security import access_list
 from tests.runtime.conftest import ROOT, Robot, wait_for
 
@@ -65,7 +64,7 @@ def test_an_agent_perceives_what_the_plant_s_own_sensor_measures(robot: Robot) -
     file = deployment(robot.folder)
     robot.start("launch", file, "--robot", robot.name, "--duration", "60 s")
     robot.until(0.5)
-    with Bus(robot.name, "a test", on_loopback(port_base(robot.name), 16).visitor(), 1) as bus:
+    with Bus(robot.name, "a test", robot.mesh.visitor(), 1) as bus:
         wait_for(
             lambda: [d.perception for d in diags(bus, "platform")] == ["Floor(heights=(0.5, nan))"],
             "the percept",

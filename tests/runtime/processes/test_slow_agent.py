@@ -1,7 +1,6 @@
 """An agent that takes long to decide, beside others that do not."""
 
 from runtime.wire.bus import Bus
-from runtime.wire.mesh import on_loopback, port_base
 from tests.runtime.conftest import ROOT, RUN_DEADLINE, Robot, wait_for
 
 SLOW = """
@@ -27,8 +26,7 @@ def test_a_slow_agent_costs_no_links_and_disturbs_no_others(robot: Robot) -> Non
     robot.start("launch", str(file), "--robot", robot.name, "--duration", "10min")
     robot.until(1.0)
     seen: list[tuple[str, bool]] = []
-    place = on_loopback(port_base(robot.name), 16).visitor()
-    with Bus(robot.name, "a test", place, 1) as bus:
+    with Bus(robot.name, "a test", robot.mesh.visitor(), 1) as bus:
         bus.watch_alive(lambda key, there: seen.append((key, there)))
         wait_for(lambda: len(seen) >= 9, "all processes")
 

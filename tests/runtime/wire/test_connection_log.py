@@ -19,7 +19,7 @@ from runtime.tls.certificates import Authority, write_keys
 from runtime.watching.local import diags
 from runtime.wire import topics
 from runtime.wire.bus import Bus, RingSubscriber
-from runtime.wire.mesh import FIRST_COPY, LOOPBACK, on_loopback, port_base
+from runtime.wire.mesh import FIRST_COPY, LOOPBACK
 from runtime.wire.messages import Message
 from runtime.wire.packing import pack, unpack
 from runtime.wire.refusals import MessageError
@@ -70,7 +70,6 @@ class Siege:
 
     def __init__(self, robot: Robot, folder: Path) -> None:
         self.robot, self._folder = robot, folder
-        self._mesh = on_loopback(port_base(robot.name), len(ROLES))
         self._slot = FIRST_COPY
         authority = Authority(robot.name, 10)
         self.keys = folder / "keys"
@@ -79,6 +78,7 @@ class Siege:
         more = ("--set", f"security.keys={self.keys}")
         launcher = robot.launch(*options, *more, file="arph-secure.yaml")
         robot.until(1.0)
+        self._mesh = robot.mesh
         with ExitStack() as self._stack:  # a busy machine takes long to connect them all
             self._besiege(authority)
         robot.until(PATH + 1.0)
@@ -269,8 +269,7 @@ def test_no_process_and_no_file_is_left(siege: Siege) -> None:
 def test_a_robot_that_is_open_obeys_the_same_stranger(robot: Robot) -> None:
     launcher = robot.launch("--duration", "16s", "--speed", "2")
     robot.until(0.5)
-    mesh = on_loopback(port_base(robot.name), len(ROLES))
-    with Bus(robot.name, "a stranger", mesh.copy_endpoints(FIRST_COPY, LOOPBACK), 1) as bus:
+    with Bus(robot.name, "a stranger", robot.mesh.copy_endpoints(FIRST_COPY, LOOPBACK), 1) as bus:
         n = 0
         while robot.t < 14.0 and launcher.poll() is None:
             n += 1

@@ -4,14 +4,14 @@ import json
 import random
 import signal
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from itertools import count
+from typing import TypeAlias
 
 from runtime.watching.local import diags
 from runtime.watching.watcher import Watcher
 from runtime.wire import topics
 from runtime.wire.bus import Bus
-from runtime.wire.mesh import on_loopback, port_base
 from runtime.wire.messages import (
     EndEffectorPose,
     GoalMessage,
@@ -62,10 +62,17 @@ def flood(bus: Bus, enough: Callable[[], bool], rng: random.Random) -> None:
         time.sleep(0.0005)  # about 10 000 messages a second, unless the machine is busy
 
 
+Refused: TypeAlias = dict[str, Mapping[str, Mapping[str, int]]]
+"""Numbers of refused messages by role, key and reason."""
 WANTED = {("plant", topics.joint_command(1)): 2000, ("joint/1", topics.HAND): 100} | {
     ("platform", topics.GOAL): 100
 }
 """How many messages a role is to refuse on a key: of states, agents take the latest few only."""
+
+
+def counted(refused: Refused) -> dict[tuple[str, str], int]:
+    """Return how many messages each role of `WANTED` has refused on its key."""
+    return {(role, key): sum(refused.get(role, {}).get(key, {}).values()) for role, key in WANTED}
 
 
 def test_in_a_flood_the_run_reaches_its_goal_and_status_counts_what_was_refused(
@@ -75,16 +82,13 @@ def test_in_a_flood_the_run_reaches_its_goal_and_status_counts_what_was_refused(
     ends = "--set", f"goal.duration={PATH_ENDS:g}s"
     launcher = robot.launch("--duration", "10min", "--speed", "2", *ends)
     robot.until(1.0)
-    place = on_loopback(port_base(robot.name), 16).visitor()
-    with Bus(robot.name, "a test", place, random.getrandbits(60)) as bus:
+    with Bus(robot.name, "a test", robot.mesh.visitor(), random.getrandbits(60)) as bus:
         began = time.monotonic()
+        refused: Refused = {}
 
-        def enough() -> bool:
-            refused = {diag.role: diag.refused for diag in diags(bus)}
-            counts = {
-                (role, key): sum(refused.get(role, {}).get(key, {}).values())
-                for role, key in WANTED
-            }
+        def enough() -> bool:  # a busy process may answer too late to be counted at every look
+            refused.update({diag.role: diag.refused for diag in diags(bus)})
+            counts = counted(refused)
             assert time.monotonic() < began + 100.0, f"not enough was refused: {counts}"
             return all(counts[place] > least for place, least in WANTED.items())
 
@@ -96,13 +100,13 @@ def test_in_a_flood_the_run_reaches_its_goal_and_status_counts_what_was_refused(
             return view.t > PATH_ENDS and view.error is not None and view.error < 0.003
 
         wait_for(there, "the hand to be at the end of its path")
-    refused: dict[str, dict[str, dict[str, int]]] = {}
+    refused = {}
 
     def shown() -> bool:  # a busy process may answer a tool too late to be shown whole
         for process in json.loads(robot.working("status", "--json"))["processes"]:
             refused[process["role"]] = process.get("refused", {})
-        counts = (sum(refused.get(role, {}).get(key, {}).values()) for role, key in WANTED)
-        return all(count > least for count, least in zip(counts, WANTED.values(), strict=True))
+        counts = counted(refused)
+        return all(counts[place] > least for place, least in WANTED.items())
 
     wait_for(shown, "status to show what was refused")
     launcher.send_signal(signal.SIGINT)

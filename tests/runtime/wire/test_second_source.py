@@ -5,7 +5,6 @@ import random
 from runtime.watching.local import diags
 from runtime.wire import topics
 from runtime.wire.bus import Bus
-from runtime.wire.mesh import on_loopback, port_base
 from runtime.wire.messages import EndEffectorPose, GoalMessage, JointStates, Message, PlatformPose
 from runtime.wire.refusals import Reason
 from tests.runtime.conftest import Robot, wait_for
@@ -21,8 +20,7 @@ SECOND: dict[str, Message] = {
 def test_status_shows_a_second_source_of_each_topic(robot: Robot) -> None:
     robot.launch("--duration", "60s")
     robot.until(0.5)
-    place = on_loopback(port_base(robot.name), 16).visitor()
-    with Bus(robot.name, "a test", place, random.getrandbits(60)) as bus:
+    with Bus(robot.name, "a test", robot.mesh.visitor(), random.getrandbits(60)) as bus:
         publishers = {key: bus.publisher(key) for key in SECOND}
 
         def is_counted() -> bool:
