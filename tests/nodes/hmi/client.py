@@ -6,7 +6,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
-from typing import Any, Self
+from typing import Any, Self, TypeVar
 from urllib.parse import urlsplit
 
 from websockets.exceptions import ConnectionClosed
@@ -17,6 +17,7 @@ from tests.runtime.conftest import DEADLINE, wait_for
 
 JOG = 0.05  # [s]
 Message = dict[str, Any]
+T = TypeVar("T")
 
 
 def open_socket(
@@ -111,12 +112,21 @@ class Browser:
         def found() -> list[Message]:
             return [one for one in list(self.all) if one["type"] == kind and fits(one)]
 
-        wait_for(lambda: bool(found()), f"a message {kind}", timeout)
+        self.wait_for(found, f"a message {kind}", timeout)
         return found()[-1]
 
     def wait_state(self, fits: Callable[[Message], bool], what: str) -> Message:
         """Wait for a state that fits, and return that very one: the next may not fit any more."""
-        return wait_for(lambda: state if fits(state := self.state) else None, what)
+        return self.wait_for(lambda: state if fits(state := self.state) else None, what)
+
+    def wait_for(self, look: Callable[[], T | None], what: str, timeout: float = DEADLINE) -> T:
+        """Wait for anything, and if it is in vain say what the page has told."""
+        try:
+            return wait_for(look, what, timeout)
+        except AssertionError as error:
+            told = [*self.all[-5:], self.last.get("state")]
+            is_connected = self._thread.is_alive()
+            raise AssertionError(f"{error}; connected: {is_connected}, told: {told}") from None
 
     def jog(self, press: int, *speeds: float, mode: str = "shared", **fields: Any) -> None:
         self.send(

@@ -103,7 +103,7 @@ def driven(browser: Browser, *speeds: float, metres: float, **fields: object) ->
             def far() -> bool:
                 return bool(np.linalg.norm(np.array(browser.hand) - start) >= metres)
 
-            wait_for(lambda: ended() or far(), "the hand to move")
+            browser.wait_for(lambda: ended() or far(), "the hand to move")
             if not ended():
                 yield browser.wait_state(lambda one: one["hand"], "the hand")
                 return
