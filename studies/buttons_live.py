@@ -46,10 +46,10 @@ class ButtonsLive(Buttons):
     def drive(self, way: str, case: str, course: Course, seed: int) -> Run:
         """Start a robot with its page, and have a person bring its hand along a course.
 
-        Raises what `visited` does.
+        Raises `StudyError` without Chromium or Playwright, `LaunchFailedError` without a robot.
         """
         degrees = ", ".join(f"{angle:.6f} deg" for angle in np.degrees(course.q))
-        with visited(f"start.joints=[{degrees}]") as (address, browser):
+        with _visited(f"start.joints=[{degrees}]") as (address, browser):
             return bring_at(browser, address, way, case, course)
 
 
@@ -62,7 +62,7 @@ def bring_at(browser: Any, address: str, way: str, case: str, course: Course) ->
 
 
 @contextmanager
-def visited(*settings: str) -> Iterator[tuple[str, Any]]:
+def _visited(*settings: str) -> Iterator[tuple[str, Any]]:
     """Start a robot and a browser; yield the address of its page, and the browser.
 
     Args:

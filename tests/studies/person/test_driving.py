@@ -1,44 +1,14 @@
-"""A scripted person brings a hand to places near by: in lockstep, and at a real robot's page."""
-
-from collections.abc import Iterator
-from typing import Any
+"""A scripted person brings a hand to places near by, in lockstep."""
 
 import numpy as np
 import pytest
 
 from plant.urdf import load
 from studies.buttons import CASES, Buttons, Course, drawn
-from studies.buttons_live import bring_at, visited
 from studies.person.button_sets import TwoSets
-from studies.person.deciding import NEAR
-from tests.nodes.hmi.browser.chromium import need_chromium
 
 Q = np.radians([0.0, 60.0, -115.0, 0.0, 0.0, 0.0])
 HAND = TwoSets(load("arph")).hands(np.array([[*Q, 0.0, 0.0, 0.0]]))[0]
-
-
-@pytest.fixture(scope="module")
-def robot() -> Iterator[tuple[str, Any]]:
-    """Start one robot and one browser for all tests of this file."""
-    need_chromium()
-    with visited() as found:
-        yield found
-
-
-@pytest.mark.parametrize(
-    ("case", "way", "ahead"), [("two sets", "keyboard", 0.06), ("one set", "touch", 0.0)]
-)
-def test_a_person_brings_the_hand_to_a_place(
-    robot: tuple[str, Any], case: str, way: str, ahead: float
-) -> None:
-    address, browser = robot
-    place = HAND + ahead * np.eye(3)[0]
-    run = bring_at(browser, address, way, case, Course(Q, place[None]))
-    (found,) = run.drives
-    assert run.is_there, found.off
-    assert np.linalg.norm(found.path[-1] - place) <= NEAR
-    assert found.presses >= found.moves
-    assert (run.way, run.buttons) == (way, case)
 
 
 @pytest.mark.parametrize("case", CASES)
