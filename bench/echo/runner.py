@@ -104,9 +104,9 @@ def run(
         def check_all_alive() -> None:
             for role, pid in pids.items():
                 if not is_alive(pid):
-                    said = errors.read_text().splitlines()[-1:] if errors else []
+                    said = errors.read_text().splitlines()[-len(pids) :] if errors else []
                     ended = f"{role} ended while it was measured: {commands[role]}"
-                    raise BenchError(": ".join([ended, *said]))
+                    raise BenchError("\n".join([ended, *said]))
 
         await_event(forkserver.stdout, GO, PATIENCE + SPARE, check_all_alive)
         ready = time.monotonic() - began - SETTLE
