@@ -108,14 +108,13 @@ class Launcher:
 
                 journal.screen = (LiveTable if sys.stdout.isatty() else Screen)(of.duration)
                 cleanup.callback(journal.screen.close)
-            self._loop(refusals)
-            self._finish()
+            self._finish(self._loop(refusals))
         code, reason = self._shutdown.code, self._shutdown.reason or ""
         events = tuple(journal.events)
         return RunOutcome(code, reason, self._view, events, self._host, self._page)
 
-    def _loop(self, refusals: ConnectionLog | None) -> None:
-        """React to what is seen until the run is over, nothing is left, or it is interrupted."""
+    def _loop(self, refusals: ConnectionLog | None) -> str:
+        """React to what is seen until the run ends; return why, if it is not interrupted."""
         of, journal, next_frame = self._deployment, self._journal, 0.0
         schedule = Schedule(filter(self._is_ours, of.chaos))
         injector = FaultInjector(
@@ -138,8 +137,9 @@ class Launcher:
                     journal.screen.show(view)
                 if refusals is not None:
                     refusals.look()
-            if self._watcher.clock.end(of, now):
-                return
+            if end := self._watcher.clock.end(of, now):
+                return end[0]
+        return "all its processes have ended"
 
     def _show_page(self) -> None:
         """Show people where they can drive the robot, once that is known."""
@@ -152,7 +152,7 @@ class Launcher:
         """Tell whether this launcher carries out an event, and not that of another host."""
         return (event.role if event.role in self._deployment.roles else PLANT) in self._roles
 
-    def _finish(self) -> None:
+    def _finish(self, why: str) -> None:
         """Give the processes time to end by themselves, unless interrupted, and then end them."""
         interrupted = self._shutdown.reason is not None
         all_here = len(self._members) == len(self._deployment.processes)
@@ -164,7 +164,7 @@ class Launcher:
             ask=self._control.stop if all_here and not self._journal.starting else None,
             ended=self._journal.ended,
         )
-        self._shutdown.ask("the run is over")
+        self._shutdown.ask(why)
 
     def _kill_at_interrupt(self) -> None:
         """From now on, Ctrl-C kills the processes at once."""

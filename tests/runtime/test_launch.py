@@ -144,8 +144,24 @@ def test_classes_that_start_threads_do_not_keep_a_robot_from_starting(
         "    pass\n"
     )
     options = ("--set", f"modules={tmp_path}", "--set", "agents.joint/5.class=busy:Busy")
-    code, said = robot.run("--duration", "8s", *options)
+    patience = "--set", f"patience={DEADLINE:g}s"  # each imports for itself, together
+    code, said = robot.run("--duration", "8s", *options, *patience)
     assert code == 0, said
+
+
+def test_a_plant_that_is_never_heard_of_is_said_to_be_so(robot: Robot, tmp_path: Path) -> None:
+    (tmp_path / "slow.py").write_text(
+        "import time\n"
+        "from plant.kinematic import KinematicPlant\n"
+        "class Slow(KinematicPlant):\n"
+        "    def open(self):\n"
+        "        time.sleep(600)\n"
+    )
+    options = ("--set", f"modules={tmp_path}", "--set", "plant.class=slow:Slow")
+    code, said = robot.run("--set", "patience=2s", *options)
+    assert code == 1
+    assert "the robot never moved: no message of any plant for 2 s" in said
+    assert robot.processes() == {}
 
 
 def test_a_run_whose_plant_dies_has_failed(robot: Robot) -> None:
