@@ -12,6 +12,7 @@ from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import Any, TypeVar
 
+import numpy as np
 import pytest
 
 from runtime.config.deployment import load
@@ -219,8 +220,16 @@ class Robot:
 
     @property
     def follows(self) -> float:
-        """How closely the hand has to follow in its last run [m]."""
-        return CLOSE if self.is_in_time else FOLLOWS
+        """How closely the hand has to follow in its last run [m].
+
+        While agents are silent what they move stands still, and the goal of Table 1 goes on.
+        """
+        if self.is_in_time:
+            return CLOSE
+        record = read_run_log(self.run_folder)
+        period: float = load(self.run_folder / "deployment.yaml").period
+        silent = np.isnan(record.age[record.t >= 0.5]).any(axis=1).sum() * period
+        return FOLLOWS + 0.073 * float(silent)
 
     @property
     def error_at_the_end(self) -> float:
