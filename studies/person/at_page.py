@@ -12,7 +12,8 @@ from studies.person.controls import Controls
 from studies.person.hands import Hands
 from studies.study import StudyError
 
-_SILENT = 60.0  # [s] without a picture after which the robot or its page is gone
+_SILENT = 60.0  # [s] without a picture, or an answer, after which the robot or its page is gone
+_AGAIN = 3.0  # [s] after which a person presses again what the page does not show as chosen
 
 
 class AtPage(Controls):
@@ -46,9 +47,21 @@ class AtPage(Controls):
         self._hands = way(page)
 
     def _choose(self, button: str) -> None:
-        """Choose something; the switch can no longer be the space bar for that."""
-        self._page.locator(button).click()
-        self._page.locator(f":is({button})[aria-checked=true]").wait_for()
+        """Choose something, and again if that is refused: a busy robot may not answer in time.
+
+        The switch can no longer be the space bar for that.
+        """
+        chosen = self._page.locator(f":is({button})[aria-checked=true]")
+        until = time.monotonic() + _SILENT
+        while time.monotonic() < until:
+            self._page.locator(button).click()
+            again = time.monotonic() + _AGAIN
+            while time.monotonic() < again:
+                if chosen.count():
+                    return
+                self._page.wait_for_timeout(20)
+        said = self._page.locator("#said").text_content()
+        raise StudyError(f"{button} cannot be chosen; the page says: {said}")
 
     def _take(self, frame: str | bytes) -> None:
         message = json.loads(frame)
