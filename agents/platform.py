@@ -47,6 +47,9 @@ most where an arm with its comfortable reach at 0.67 L is nearly straight."""
 CONTENT = 0.0005
 """[L] Error, as of the markers, from which on no comfort is sought. Chosen: four times as much
 takes hands to the edge of what arms reach, and off it: 114 of 160 poses of ARPH stay, not 131."""
+ENOUGH = 0.5
+"""[turns] Turning after which no comfort is sought any more at a goal that stands. Derived: to line
+the hand up takes half a turn at most; without a limit it drives round its goal for ever."""
 LEAST = 0.25
 """[] Smallest share of its speeds that a drive is assumed to make. Chosen: it bounds the
 commands to a drive that hardly moves."""
@@ -64,6 +67,7 @@ class Memory(NamedTuple):
         moved: (..., n) mean squares of the joints' speeds.
         lasting: (...) sum of what was missing [m], in the world.
         ease: (...) by what the hand is carried past its goal [m], as the platform faces.
+        eased: (...) how far it has turned for comfort with the hand at a goal that stands [rad].
         plan: (..., M, 2), now: (..., 2) the speeds when it was made, as shares of the tops.
         left: (...) error that it leaves [m].
     """
@@ -75,6 +79,7 @@ class Memory(NamedTuple):
     moved: Array
     lasting: Places
     ease: Places
+    eased: Array
     plan: Array
     now: Array
     left: Array
@@ -248,7 +253,7 @@ class PlatformAgent(Agent):
         )
         zero = np.zeros(held.shape)
         if old is None:
-            old = Memory(t, hand, going, (zero, zero), np.zeros(1), zero, zero, None, None, zero)  # type: ignore[arg-type]
+            old = Memory(t, hand, going, (zero, zero), np.zeros(1), *[zero] * 3, None, None, zero)  # type: ignore[arg-type]
         end, share = self._planner.times, self._share(elapsed)
         # the goal goes on, on a circle if its way has bent
         bent = np.angle(going * np.conj(old.going))
@@ -281,11 +286,15 @@ class PlatformAgent(Agent):
         # what stays missing is asked for more; comfort only while nothing is missing
         missing = target - held
         off, trifle = np.abs(missing), TRIFLE * self._length
-        sums = (off < 2 * SMALL * self._length) & (old.left < trifle)
+        there = off < 2 * SMALL * self._length
+        sums = there & (old.left < trifle)
         more = elapsed / self._unit * missing * np.conj(turn)
         lasting = old.lasting + np.where(sums, more, -share * old.lasting)
         whole, turned = self._turned(view, goal, t, aim - hand)
         content = (1 - whole / (CONTENT * self._length)).clip(0.0, 1.0)
+        turning = np.abs(speed[..., 1]) * (content > 0)
+        eased = np.where(there & (going == 0), old.eased + turning * elapsed, 0.0)
+        content = content * (1 - eased / (2 * np.pi * ENOUGH)).clip(0.0)
         ease = old.ease + share * (content * self._comfort(held, hand[..., 2]) - old.ease)
         wanted = goal_then + (lasting * turn + ease)[..., None]
         now = own.speed.clip(FORWARD, 1.0)
@@ -299,7 +308,7 @@ class PlatformAgent(Agent):
         if self._avoiding is not None:
             self.trouble = self._avoiding.limited(base, plan[0] * self._top, np.abs(missing))
         left = missed[..., self._planner.end >= self._fades].max(axis=-1)
-        return Memory(t, hand, going, bends, moved, lasting, ease, plan, now, left)
+        return Memory(t, hand, going, bends, moved, lasting, ease, eased, plan, now, left)
 
     def _bent(
         self, elapsed: float, old: tuple[Array, Array], bent: Array, round_way: Array

@@ -102,6 +102,16 @@ def test_a_cup_stays_upright_from_starts_about_the_same_and_with_commands_that_c
     assert np.abs(truth.q[:, 2]).min() > np.deg2rad(10)  # the elbow is still bent
 
 
+def test_at_a_goal_that_stands_the_platform_comes_to_rest(arph):
+    goal = Goal(np.array([-0.30, 0.0, 0.79]), np.zeros(3), 0.0, 0.0)
+    plant = KinematicPlant(Setup(arph, START, np.array([-0.15, 0.0, 0.0]), period=0.06))
+    trace = run(plant, mobile_agents(arph, 0.06), lambda _: goal, 60.0)
+    turned = np.abs(np.diff(trace.base[:, 2]))
+    assert trace.error[-1] < 1e-3
+    assert turned.sum() < np.deg2rad(540)
+    assert turned[trace.t[1:] > 45.0].sum() < np.deg2rad(20), "it drove round its goal for ever"
+
+
 def test_without_the_platform_the_hand_goes_as_far_as_it_reaches(arph):
     trace = follow(arph, events=[Event(5.0, "platform")])
     assert trace.error[-1] > 0.5
