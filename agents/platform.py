@@ -253,7 +253,8 @@ class PlatformAgent(Agent):
         )
         zero = np.zeros(held.shape)
         if old is None:
-            old = Memory(t, hand, going, (zero, zero), np.zeros(1), *[zero] * 3, None, None, zero)  # type: ignore[arg-type]
+            past = t, hand, going, (zero, zero), np.zeros(1), zero, zero, zero
+            old = Memory(*past, None, None, zero)  # type: ignore[arg-type]
         end, share = self._planner.times, self._share(elapsed)
         # the goal goes on, on a circle if its way has bent
         bent = np.angle(going * np.conj(old.going))
