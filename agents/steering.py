@@ -34,9 +34,6 @@ leaves larger errors with two joints locked."""
 POWER = 0.25
 """[] P, by which large errors count. Derived: it must be below 1/2, with which a plan waits for a
 goal that comes to a hand behind the axle and then recedes; 0.2 and 0.3 do as well."""
-END = 0.6
-"""[L / v_max] How long the error at the plan's end is taken to last. Chosen: 2 s with ARPH; three
-times as long makes no difference."""
 TRIFLE = 0.002
 """[L] Error that counts as none, for what adds up and for detours. Chosen: a fifth of d."""
 MOVES = SMALL
@@ -67,6 +64,7 @@ class Course(NamedTuple):
         hand: (..., M + BEYOND) where the arm holds the hand, as seen from the platform [m].
         now: (..., 2) present speeds, as shares of the tops.
         able: (..., 2) shares of the tops that the drive makes.
+        lasts: (..., 1) how long the error at a plan's end is taken to last [s].
         turn: (..., 1) z: its angle is by how much the hand is turned about the upright against
             its goal, and a turn by c puts its markers off by |z| |e^ic - 1| [m]. None for any.
         near: (K,) things to keep clear of [m]. None without an eye for them.
@@ -76,6 +74,7 @@ class Course(NamedTuple):
     hand: Places
     now: Array
     able: Array
+    lasts: Array
     turn: Places | None = None
     near: Places | None = None
 
@@ -242,7 +241,7 @@ class Planner:
         beside = self._rho(np.abs(beside_goal(tail, heading, missing)))
         swing = np.abs(course.hand[..., None, INTERVALS - 1]) * np.minimum(turns, np.pi) / 2
         swing = self._rho(swing) * last**2 / (last**2 + 4 * (TRIFLE * self.reach) ** 2)
-        rest = rho[..., -1] * (END * self.unit + time / 2) + swing * turns / self.top[1]
+        rest = rho[..., -1] * (course.lasts + time / 2) + swing * turns / self.top[1]
         moves = (change**2 + self._turning * plan**2).sum(axis=(-1, -2))
         cost: Array = rho @ self.length + rest + tail.weight * beside + moves
         short, nearest = None, None
@@ -288,7 +287,7 @@ class Planner:
         aside[..., INTERVALS:] -= 2j * (tail.ahead * heading)[..., None, None] * self._spin
         weight = np.empty((*missing.shape[:-1], INTERVALS + 1))
         weight[..., :-1] = self.length
-        weight[..., -2] += END * self.unit + both.time / 2
+        weight[..., -2] += course.lasts + both.time / 2
         weight[..., -1] = tail.weight
         beside = beside_goal(tail, heading, missing)[..., None]
         far = np.concatenate([self._with_turn(course, headings, both.far), np.abs(beside)], axis=-1)

@@ -112,6 +112,19 @@ def test_at_a_goal_that_stands_the_platform_comes_to_rest(arph):
     assert turned[trace.t[1:] > 45.0].sum() < np.deg2rad(20), "it drove round its goal for ever"
 
 
+def test_a_hand_carried_too_far_comes_back_by_a_detour(arph):
+    """The platform alone, never backwards, under an arm that holds still 1 cm past its goal."""
+    plant = KinematicPlant(Setup(arph, START, np.array([-0.15, 0.0, 0.0]), period=0.06))
+    hand = np.asarray(true_motion(plant)[5])
+    goal = Goal(hand - [0.01, 0.0, 0.0], np.zeros(3), 0.0, 0.0)
+    agents = mobile_agents(arph, 0.06)
+    agents |= {f"joint/{i + 1}": HoldAgent(Body(arph, i, 0.06, [7, i])) for i in range(6)}
+    trace = run(plant, agents, lambda _: goal, 40.0)
+    assert trace.error[trace.t < 1.0].max() < 0.02, "not before it has waited"
+    assert trace.error[trace.t > 30.0].max() < 3e-3
+    assert trace.base_velocity[:, 0].min() >= 0.0
+
+
 def test_without_the_platform_the_hand_goes_as_far_as_it_reaches(arph):
     trace = follow(arph, events=[Event(5.0, "platform")])
     assert trace.error[-1] > 0.5

@@ -12,7 +12,8 @@ PLANNER = Planner(np.array([0.3, 0.8]), np.array([0.5, 2.0]), 1.0)
 
 def course(goal, hand, now=(0.0, 0.0), going=0.0):
     whole = np.ones(INTERVALS + BEYOND)
-    return Course(goal + going * PLANNER.times, hand * whole, np.array(now), np.ones(2))
+    lasts = np.array([2.0])
+    return Course(goal + going * PLANNER.times, hand * whole, np.array(now), np.ones(2), lasts)
 
 
 def planned(ahead, before=None):
