@@ -112,7 +112,7 @@ class Siege:
         self.overheard = {kind: _strange(kind, ring) for kind, ring in rings.items()}
         again = partial(self._knock_without_a_certificate, authority)
         self.refused = self._all_counted(observer, partial(speak, insider, spared, 5), again)
-        self.told = diags(observer)
+        self.told = wait_for(lambda: diags(observer), "an answer")
 
     def _with(self, name: str, pair: tuple[str, str]) -> Credentials:
         """Return credentials of joint/1 with that pair of keys, and the robot's authority."""
