@@ -122,19 +122,19 @@ def test_what_is_far_too_large_is_not_handed_on(network: Network) -> None:
     here, there = network.join(0), network.join(1)
     ring = there.ring(KEY)
     arrives(here, ring)
-    again = time.monotonic()
+    sent: list[float] = []
 
     def large() -> list[int]:
         """Even one that blocks is lost where Zenoh gives up a link that stalls for seconds."""
-        nonlocal again
-        if time.monotonic() >= again:
+        if not sent or time.monotonic() > sent[-1] + 10.0:
             patient = zenoh.CongestionControl.BLOCK
             here._session.put(KEY, bytes(10_000_000), congestion_control=patient)
-            again = time.monotonic() + 10.0
+            sent.append(time.monotonic())
         return [n for n in (len(one.data) for one in ring.waiting(8)) if n > 200]
 
     sizes = wait_for(large, "the large one")
-    assert set(sizes) == {LARGEST + 1}
+    assert sizes == [LARGEST + 1] * len(sizes)
+    assert len(sizes) <= len(sent)
 
 
 def test_no_message_crosses_to_another_robot_on_the_same_ports(network: Network) -> None:
