@@ -74,12 +74,10 @@ class Memory(NamedTuple):
         hand: (..., 3) where the hand was [m].
         going, bend: (...) how the goal went [m/s], and how fast its way has turned [rad/s].
         moved: (..., n) mean squares of the joints' speeds.
-        lasting: (...) sum of what was missing [m], in the world.
         ease: (...) by what the hand is carried past its goal [m], as the platform faces.
         eased: (...) how far it has turned for comfort with the hand at a goal that stands [rad].
         urge: (...) power of e by which an error counts more that a plan leaves.
         plan: (..., M, 2), now: (..., 2) the speeds when it was made, as shares of the tops.
-        left: (...) error that it leaves [m].
     """
 
     t: float
@@ -87,13 +85,11 @@ class Memory(NamedTuple):
     going: Places
     bends: tuple[Array, Array]
     moved: Array
-    lasting: Places
     ease: Places
     eased: Array
     urge: Array
     plan: Array
     now: Array
-    left: Array
 
 
 class Own(NamedTuple):
@@ -264,8 +260,8 @@ class PlatformAgent(Agent):
         )
         zero = np.zeros(held.shape)
         if old is None:
-            past = t, hand, going, (zero, zero), np.zeros(1), zero, zero, zero, zero
-            old = Memory(*past, None, None, zero)  # type: ignore[arg-type]
+            past = t, hand, going, (zero, zero), np.zeros(1), zero, zero, zero
+            old = Memory(*past, None, None)  # type: ignore[arg-type]
         end, share = self._planner.times, self._share(elapsed)
         # the goal goes on, on a circle if its way has bent
         bent = np.angle(going * np.conj(old.going))
@@ -295,22 +291,19 @@ class PlatformAgent(Agent):
         far = arm_drift * self._fades  # sooner the faster it is: a swing ends
         far = far / (1 + np.abs(far) / (SWINGS * self._length))
         hand_then = hand_then + far[..., None] * self._faded
-        # what stays missing is asked for more; comfort only while nothing is missing
-        missing = target - held
-        off, trifle = np.abs(missing), TRIFLE * self._length
+        # comfort only while nothing is missing
+        off = np.abs(target - held)
         there = off < 2 * SMALL * self._length
-        sums = there & (old.left < trifle)
-        more = elapsed / self._unit * missing * np.conj(turn)
-        lasting = old.lasting + np.where(sums, more, -share * old.lasting)
         whole, turned = self._turned(view, goal, t, aim - hand)
         content = (1 - whole / (CONTENT * self._length)).clip(0.0, 1.0)
         turning = np.abs(speed[..., 1]) * (content > 0)
         eased = np.where(there & (going == 0), old.eased + turning * elapsed, 0.0)
         content = content * (1 - eased / (2 * np.pi * ENOUGH)).clip(0.0)
         ease = old.ease + share * (content * self._comfort(held, hand[..., 2]) - old.ease)
-        wanted = goal_then + (lasting * turn + ease)[..., None]
+        wanted = goal_then + ease[..., None]
         # it waits in vain: in the end a detour, which may turn the hand, is better than that
-        vain = there & (off > trifle) & (np.abs(own.speed) < QUIET).all(axis=-1) & (turned is None)
+        idle = (np.abs(own.speed) < QUIET).all(axis=-1)
+        vain = there & (off > TRIFLE * self._length) & idle & (turned is None)
         urge = old.urge + elapsed / self._unit * np.where(vain, 1 / SOON, -1.0)
         urge = np.where(going == 0, urge.clip(0.0, URGES), 0.0)
         lasts = END * self._unit * np.exp(urge)[..., None]
@@ -321,11 +314,10 @@ class PlatformAgent(Agent):
             near = self._avoiding.seen(t, base, percepts.sensors.get("ranges"))
         course = Course(wanted, hand_then, now, able, lasts, turned, near)
         yield
-        plan, missed = yield from self._planner.plan(course, before)
+        plan = yield from self._planner.plan(course, before)
         if self._avoiding is not None:
-            self.trouble = self._avoiding.limited(base, plan[0] * self._top, np.abs(missing))
-        left = missed[..., self._planner.end >= self._fades].max(axis=-1)
-        return Memory(t, hand, going, bends, moved, lasting, ease, eased, urge, plan, now, left)
+            self.trouble = self._avoiding.limited(base, plan[0] * self._top, off)
+        return Memory(t, hand, going, bends, moved, ease, eased, urge, plan, now)
 
     def _bent(
         self, elapsed: float, old: tuple[Array, Array], bent: Array, round_way: Array

@@ -35,7 +35,7 @@ POWER = 0.25
 """[] P, by which large errors count. Derived: it must be below 1/2, with which a plan waits for a
 goal that comes to a hand behind the axle and then recedes; 0.2 and 0.3 do as well."""
 TRIFLE = 0.002
-"""[L] Error that counts as none, for what adds up and for detours. Chosen: a fifth of d."""
+"""[L] Error that counts as none, for detours. Chosen: a fifth of d."""
 MOVES = SMALL
 """[L] Error as bad as turning at the top speed, or as changing to it within L / v_max. Trade-off:
 more is smoother; 0.03 is sluggish after a push."""
@@ -152,8 +152,8 @@ class Planner:
         self._shares = np.array(STEPS)[:, None]
         self._final = np.exp(2j * np.pi * np.arange(SEEDS) / SEEDS)
 
-    def plan(self, course: Course, before: Array | None) -> InParts[tuple[Array, Array]]:
-        """Return a plan (..., M, 2), and the errors (..., M) [m] expected with it.
+    def plan(self, course: Course, before: Array | None) -> InParts[Array]:
+        """Return a plan (..., M, 2).
 
         The better of two after a Gauss-Newton step each: what is left of the plan made last
         (`before`), and the best of those that stop, go on, or turn, drive and turn. It is worked
@@ -178,7 +178,7 @@ class Planner:
         best, cost = costs.argmin(axis=-1), costs.min(axis=-1)
         takes = cost[..., 1] < BETTER * cost[..., 0]
         index = np.where(takes, best[..., 1] + len(STEPS), best[..., 0])[..., None]
-        return _taken(tried.plan, index)[..., 0, :, :], _taken(tried.far, index)[..., 0, :]
+        return _taken(tried.plan, index)[..., 0, :, :]
 
     def later(self, plan: Array, elapsed: float) -> Array:
         """Return what is left of plans (..., M, 2), `elapsed` [s] later; their end lasts."""
