@@ -1,5 +1,6 @@
 """Poses: arms of all kinds move their hands to random poses and after moving ones; long chains."""
 
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from importlib.util import find_spec
@@ -40,7 +41,7 @@ from studies.study import Claim, Findings, Progress, Row, Study, check_draw, sha
 
 COUNT = 200
 """Arms of each robot and task, and moving poses."""
-MOVING = ((0.06, 1e-3, np.radians(0.5)), (0.001, 1e-4, None))
+MOVING = ((0.06, 1e-3, math.radians(0.5)), (0.001, 1e-4, None))
 """Period [s], and bars on the medians of the largest errors [m], [rad]."""
 CHAINS = (5, 24, 48, 64, 128)
 """Numbers of joints."""
@@ -177,7 +178,7 @@ class Poses(Study[PosesFound]):
         for period, most, turned in MOVING:
             what = f"{UR5.name}, moving pose, {1e3 * period:g} ms: median of largest errors"
             bar = f"at most {1e3 * most:g} mm"
-            bar += "" if turned is None else f", {np.degrees(turned):g} deg"
+            bar += "" if turned is None else f", {math.degrees(turned):g} deg"
             progress.step(what)
             if robot is None or arms is None or reason:
                 yield Row(what, bar, reason)
