@@ -1,12 +1,11 @@
 """What strangers send and what agents of strangers do never stops a loop (rule 9)."""
 
-import json
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
+from runtime.results.logs import read_log
 from runtime.wire import topics
 from runtime.wire.messages import Diag
 from runtime.wire.refusals import Reason
@@ -32,12 +31,6 @@ class SaysWords(Raises):
 class Hurries(Raises):
     def decide(self, percepts): return np.array(99.0)
 """
-
-
-def events(processes: ProcessGroup, role: str, event: str) -> list[dict[str, Any]]:
-    path = processes.run / f"{topics.file_name(role)}.jsonl"
-    lines = map(json.loads, path.read_text(encoding="utf-8").splitlines())
-    return [line for line in lines if line["event"] == event]
 
 
 def with_agent(processes: ProcessGroup, name: str, folder: Path) -> None:
@@ -68,8 +61,8 @@ def test_what_an_agent_gets_wrong_is_counted_logged_once_and_not_sent(
     )
     assert list(diag.refused) == ["decide"]
     assert list(ring.waiting(1)) == []
-    wait_for(lambda: events(processes, "joint/1", "refused"), "the log")
-    (line,) = events(processes, "joint/1", "refused")
+    wait_for(lambda: read_log(processes.run, "joint/1", "refused"), "the log")
+    (line,) = read_log(processes.run, "joint/1", "refused")
     assert reason in line["reason"]
     if name == "Raises":
         assert "return 1 / 0" in line["detail"]
@@ -90,7 +83,7 @@ def test_speeds_over_the_limit_are_cut_to_it_and_counted(
     processes.until(bus, "plant", counted, "counts them")
 
     def fastest() -> float:
-        ticks = events(processes, "plant", "tick")
+        ticks = read_log(processes.run, "plant", "tick")
         return max((abs(tick["qd"][0]) for tick in ticks), default=0.0)
 
     limit = np.deg2rad(50.0)

@@ -1,6 +1,5 @@
 """Real processes on a real bus: what each of them does when others come, go, hang and lie."""
 
-import json
 import math
 import signal
 import time
@@ -10,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from runtime.results.logs import read_log
 from runtime.wire import topics
 from runtime.wire.messages import (
     Diag,
@@ -31,12 +31,6 @@ def quick(processes: ProcessGroup) -> None:
     processes.options += ["--set", "period=20ms"]
 
 
-def log(processes: ProcessGroup, role: str, event: str) -> list[dict[str, Any]]:
-    path = processes.run / f"{topics.file_name(role)}.jsonl"
-    lines = map(json.loads, path.read_text(encoding="utf-8").splitlines())
-    return [line for line in lines if line["event"] == event]
-
-
 def answered_by(role: str) -> Callable[[Diag], bool]:
     return lambda diag: role in diag.answers
 
@@ -49,7 +43,7 @@ def until_obeyed(processes: ProcessGroup, after: float, *motors: int) -> dict[st
     """Wait for a tick after a plant time [s] at which all these motors have a command."""
 
     def look() -> dict[str, Any] | None:
-        for tick in log(processes, "plant", "tick"):
+        for tick in read_log(processes.run, "plant", "tick"):
             if tick["t"] > after and None not in [tick["age"][motor] for motor in motors]:
                 return tick
         return None
@@ -67,8 +61,8 @@ def test_a_run_with_a_duration_ends_by_itself_in_every_process(processes: Proces
     for role in roles:
         code, said = processes.result(role)
         assert (code, said.splitlines()[-1]) == (0, f"{role} of {processes.robot}: the run is over")
-        assert log(processes, role, "end")[0]["reason"] == "the run is over"
-    ticks = log(processes, "plant", "tick")
+        assert read_log(processes.run, role, "end")[0]["reason"] == "the run is over"
+    ticks = read_log(processes.run, "plant", "tick")
     assert [tick["t"] for tick in ticks] == pytest.approx([0.02 * k for k in range(51)])
 
 
@@ -124,7 +118,7 @@ def test_a_signal_ends_a_process_gracefully_and_soon(
     processes.kill(role, number)
     assert processes.result(role, timeout=SOON)[0] == code
     wait_for(lambda: bus.who_is_alive() == [], "nobody to be there")
-    assert log(processes, role, "end")
+    assert read_log(processes.run, role, "end")
 
 
 def test_a_process_that_is_asked_to_stop_says_so_and_stops(processes: ProcessGroup) -> None:
@@ -181,8 +175,8 @@ def test_a_revived_agent_is_heard_again_and_nobody_else_is_restarted(
     while command.by in former:
         command = unpack(JointCommand, ring.recv().data)
     assert time.monotonic() - started < DEADLINE
-    assert len(log(processes, "joint/1", "start")) == 2
-    assert len(log(processes, "plant", "start")) == 1
+    assert len(read_log(processes.run, "joint/1", "start")) == 2
+    assert len(read_log(processes.run, "plant", "start")) == 1
 
 
 def test_a_copy_takes_over_and_the_first_one_again_when_the_copy_dies(
@@ -218,7 +212,7 @@ def test_plant_time_stands_still_while_the_plant_is_stopped(processes: ProcessGr
     assert after.t - before.t < time.monotonic() - began - 1.5 + 0.2
     processes.kill("plant", signal.SIGTERM)
     processes.result("plant")
-    ticks = log(processes, "plant", "tick")
+    ticks = read_log(processes.run, "plant", "tick")
     for former, latter in pairwise(ticks):
         assert latter["t"] - former["t"] == pytest.approx(0.02)
         for i in range(3):
@@ -235,7 +229,7 @@ def test_an_agent_that_hung_for_a_while_goes_on_without_a_jump(processes: Proces
     until_obeyed(processes, hung + 2.0, 1)
     processes.kill("plant", signal.SIGTERM)
     processes.result("plant")
-    ticks = log(processes, "plant", "tick")
+    ticks = read_log(processes.run, "plant", "tick")
     ages = [tick["age"][1] for tick in ticks if tick["age"]]
     assert None in ages  # while it hung its joint was brought to rest
     for former, latter in pairwise(ticks):
@@ -285,10 +279,10 @@ def test_a_fault_is_confirmed_and_breaks_the_joint(processes: ProcessGroup) -> N
     processes.until(bus, "plant", answered_by("joint/1"), "is answered")
     (answer,) = wait_for(lambda: bus.ask(topics.FAULT, b"joint/1:locked"), "an answer")
     assert (answer.data, answer.agreed) == (b"ok", True)
-    wait_for(lambda: log(processes, "plant", "fault"), "the fault in the log")
-    t = log(processes, "plant", "fault")[0]["t"]
-    wait_for(lambda: log(processes, "plant", "tick")[-1]["t"] > t + 1.0, "a second")
-    assert log(processes, "plant", "tick")[-1]["qd"][0] == 0.0
+    wait_for(lambda: read_log(processes.run, "plant", "fault"), "the fault in the log")
+    t = read_log(processes.run, "plant", "fault")[0]["t"]
+    wait_for(lambda: read_log(processes.run, "plant", "tick")[-1]["t"] > t + 1.0, "a second")
+    assert read_log(processes.run, "plant", "tick")[-1]["qd"][0] == 0.0
 
 
 def test_a_fault_that_there_is_not_is_refused_with_what_is_valid(processes: ProcessGroup) -> None:
@@ -358,5 +352,5 @@ def test_two_robots_on_one_machine_do_not_hear_each_other(
     for processes in robots:
         for role in ("plant", "goal", "joint/1"):
             assert processes.result(role)[0] == 0
-        ticks = log(processes, "plant", "tick")
+        ticks = read_log(processes.run, "plant", "tick")
         assert [tick["t"] for tick in ticks] == pytest.approx([0.02 * k for k in range(51)])
