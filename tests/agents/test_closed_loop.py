@@ -126,7 +126,7 @@ def test_a_hand_carried_too_far_comes_back_by_a_detour(arph):
     assert trace.base_velocity[:, 0].min() >= 0.0
 
 
-def test_arms_turn_their_hands_while_the_platform_is_on_its_way(arph):
+def test_arms_turn_their_hands_before_the_platform_has_arrived(arph):
     # Joints that wait for the platform do so too late: 15 of these 40 came to their goal.
     arms = posed(arph, TASKS[2], 40, 5)
     assert np.isfinite(settled(arms, team(arph, PERIOD, 5), 5)).sum() > 19
