@@ -54,7 +54,7 @@ TERMS = (
     _platform("the hand is expected on the circle of the joint that lifts it", "ALONE", 1e9),
     _platform("the goal is expected to go on in a bend", "CORNER", 0.0),
     _platform("comfort", "EASE", 0.0),
-    _platform("the integral of the error, and comfort", "TRIFLE", 1e-9),
+    _platform("a trifling error calls for no detour", "TRIFLE", 1e-9),
     _platform("what the drive makes of its commands is learned", "LEAST", 1.0),
     Term("the elbow keeps off straight", ("studies.cases.kind:BEND",), {}, joints=True),
     Term("a joint leaves its stop the long way", ("agents.stops:Stops.NOTICE",), np.inf, True),

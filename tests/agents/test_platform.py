@@ -101,19 +101,24 @@ def test_a_percept_beyond_all_reason_is_not_remembered(body, percepts, what, far
     assert np.isfinite(said[-1]).all()
 
 
-@pytest.mark.parametrize(("off", "moves"), [(0.0, True), (np.deg2rad(5), False)])
+@pytest.mark.parametrize(
+    ("rises", "turns", "off", "seeks"),
+    [(1e-6, 0, 0, True), (0, 1e-6, 0, True), (1e-6, 0, np.deg2rad(5), False), (0, 0, 0, False)],
+)
 @pytest.mark.parametrize("perception", ["blackboard", "localiser"])
-def test_it_seeks_comfort_only_while_the_hand_is_turned_as_it_should_be(
-    arph, body, percepts, perception, off, moves
+def test_it_seeks_comfort_only_on_the_way_and_while_the_hand_is_turned_as_it_should_be(
+    arph, body, percepts, perception, rises, turns, off, seeks
 ):
     turn = quaternion(kinematics_of(arph).forward(START, np.zeros(3)).rotation)
     agent = PlatformAgent(body(None), perception=perception, bearing=np.deg2rad(60))
     goal = percepts().goal
     tilted = product(rotation_by(np.array([off, 0.0, 0.0])), turn)  # no turning makes that good
-    goal = goal._replace(orientation=tilted)
+    rates = np.array([turns, 0.0, 0.0])
+    goal = goal._replace(velocity=np.array([0.0, 0.0, rises]), since=0.0, until=9.0)
+    goal = goal._replace(orientation=tilted, angular_velocity=rates)
     for tick in range(40):
         said = agent.decide(percepts(t=tick * 0.06, goal=goal, orientation=turn))
-    assert (np.abs(said).max() > 1e-3) == moves
+    assert (np.abs(said).max() > 1e-3) == seeks
 
 
 @pytest.mark.parametrize("off", [-1.0, 0.3, 2.5])
