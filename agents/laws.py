@@ -8,7 +8,6 @@ from agents.agent import Array, Body, Goal, Percepts
 from agents.kick import Kick, Kicks
 from agents.markers import (
     LEVER,
-    Off,
     aim_at,
     cost,
     moved_by,
@@ -50,7 +49,7 @@ class Last(NamedTuple):
 
     t: float
     base: Vector | None
-    seen: Sequence[Seen]
+    seen: Seen
     changes: Sequence[Number]
     kick: Kick | None
 
@@ -90,19 +89,16 @@ class LineByModel:
         base = None if percepts.base is None else components(percepts.base)
         last = self._last
         if last is None or not 0.0 <= t - last.t <= TRUST * horizon:
-            fresh = [first_seen(speed) for speed in speeds[index:]]
-            last = Last(t - self._period, base, fresh, [0.0] * len(fresh), None)
+            fresh = first_seen(speeds[index:])
+            last = Last(t - self._period, base, fresh, fresh.changes, None)
         elapsed, moves = min(t - last.t, horizon), goal.moves(t)
         fading = exp(-elapsed / (self._memory if moves else FADES * horizon))
         seen = last.seen
         if elapsed > 0.0:
             kept = exp(-elapsed / (TRUST * horizon))
-            seen = [
-                each.after(change, speed, kept, fading)
-                for each, change, speed in zip(seen, last.changes, speeds[index:], strict=True)
-            ]
-        expected = [each.expected(xp, fading) for each in seen]
-        going = *speeds[:index], *[speed for _, speed in expected]
+            seen = seen.after(last.changes, speeds[index:], kept, fading)
+        shares, beyond = seen.expected(xp, fading)
+        going = *speeds[:index], *beyond
         places = [
             xp.clip(here + fading * speed * horizon, lower, upper)
             for here, speed, (_, lower, upper, _, _) in zip(q, going, self._links, strict=True)
@@ -111,7 +107,7 @@ class LineByModel:
         goes, turns = moved_by(arm, self._slides, steps, base, self._carried(xp, base, last, t))
         aim = aim_at(xp, goal, t, horizon)
         hand = None if aim.turn is None else turn_of(xp, arm)
-        off = Off(arm.tip_parts, hand and turn_against(xp, turned_by(xp, turns, hand), aim))
+        off = arm.tip_parts, hand and turn_against(xp, turned_by(xp, turns, hand), aim)
         (gx, gy, gz), (vx, vy, vz) = aim.place, goes
         near = 1.0  # share of what is off on the level that is the arm's affair
         if base is not None:
@@ -121,13 +117,13 @@ class LineByModel:
                 gx, gy = ex + near * (gx - ex), ey + near * (gy - ey)
         step, changes = left_by_others(
             xp, self._links, index, arm, off, (gx - vx, gy - vy, gz - vz), self._lever2, horizon,
-            places, going, [eta for eta, _ in expected], max(elapsed, self._period), fading,
+            places, going, shares, max(elapsed, self._period), fading,
         )  # fmt: skip
         if self._stops is not None:
             step = self._stops.turn(xp, t, q[index], step)
         kick = None
         if not moves:
-            off = Off(arm.tip_parts, hand and turn_against(xp, hand, aim))
+            off = arm.tip_parts, hand and turn_against(xp, hand, aim)
             missing = xp.sqrt(cost(off, aim.place, self._lever2))
             kick = self._kicks.watched(xp, last.kick, _standing(goal), t, missing, base)
         if kick is not None:

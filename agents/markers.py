@@ -26,7 +26,9 @@ from plant.kinematics import ArmPose, quaternion
 
 Quaternion = tuple[Number, Number, Number, Number]
 """w, x, y, z of unit quaternions."""
-
+Off = tuple[Vector, Quaternion | None]
+"""A hand: its grip point in the world (3) [m], and the rotation that takes the goal's directions to
+the hand's, None where it is free. A plain tuple, as making a named one takes a third of a step."""
 
 LEVER = 0.12
 """[reaches] sqrt(k): 0.08 to 0.16 do as well, 0.04 and 0.3 lose 5 to 7 of 100 (seeds 0 to 9)."""
@@ -46,18 +48,6 @@ class Aim(NamedTuple):
     place: Vector
     turn: Quaternion | None
     rolls: bool
-
-
-class Off(NamedTuple):
-    """A hand, and how it is turned against its goal.
-
-    Attributes:
-        tip: (3) the grip point in the world [m].
-        turn: The rotation that takes the goal's directions to the hand's; None where it is free.
-    """
-
-    tip: Vector
-    turn: Quaternion | None
 
 
 def aim_at(xp: Namespace, goal: Goal, t: float, horizon: float = 0.0) -> Aim:
@@ -243,7 +233,7 @@ def after_step(
     ax, ay, az = axis
     (ex, ey, ez), turn = off
     if slides:
-        return Off((ex + step * ax, ey + step * ay, ez + step * az), turn)
+        return (ex + step * ax, ey + step * ay, ez + step * az), turn
     px, py, pz = point
     rx, ry, rz = ex - px, ey - py, ez - pz
     s, c = xp.sin(0.5 * step), xp.cos(0.5 * step)
@@ -254,16 +244,16 @@ def after_step(
         ey + f * uy + h * (az * ux - ax * uz),
         ez + f * uz + h * (ax * uy - ay * ux),
     )
-    return Off(tip, turn and product((c, s * ax, s * ay, s * az), turn))
+    return tip, turn and product((c, s * ax, s * ay, s * az), turn)
 
 
 def cost(off: Off, place: Vector, lever2: float) -> Number:
     """Return C [m2]."""
-    (ex, ey, ez), (gx, gy, gz) = off.tip, place
+    ((ex, ey, ez), turn), (gx, gy, gz) = off, place
     squared = (gx - ex) ** 2 + (gy - ey) ** 2 + (gz - ez) ** 2
-    if off.turn is None:
+    if turn is None:
         return squared
-    _, x, y, z = off.turn
+    _, x, y, z = turn
     return squared + 8.0 * lever2 * (x * x + y * y + z * z)
 
 

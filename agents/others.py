@@ -63,48 +63,61 @@ def links_of(body: Body) -> tuple[Link, ...]:
 
 
 class Seen(NamedTuple):
-    """What one remembers of a joint beyond, or of oneself.
+    """What one remembers of n joints: of oneself, and of each joint beyond.
 
     Attributes:
-        speed: At the last decision [rad/s or m/s].
-        change: x of the one before it [rad/s or m/s].
-        wanted, lately: The sum of x^2 up to that, and up to the one before it.
-        made, late: The sums of x y, with y seen one decision later and two.
+        speeds: (n) at the last decision [rad/s or m/s].
+        changes: (n) x of the one before it [rad/s or m/s].
+        wanted, lately: (n) the sums of x^2 up to that, and up to the one before it.
+        made, late: (n) the sums of x y, with y seen one decision later and two.
     """
 
-    speed: Number
-    change: Number
-    wanted: Number
-    lately: Number
-    made: Number
-    late: Number
+    speeds: Sequence[Number]
+    changes: Sequence[Number]
+    wanted: Sequence[Number]
+    lately: Sequence[Number]
+    made: Sequence[Number]
+    late: Sequence[Number]
 
-    def after(self, x: Number, speed: Number, kept: float, fading: float) -> "Seen":
+    def after(
+        self, xs: Sequence[Number], speeds: Sequence[Number], kept: float, fading: float
+    ) -> "Seen":
         """Return what is remembered at a decision.
 
         Args:
-            x: The change of speed that it was expected to make at the last one [rad/s or m/s].
-            speed: That is seen [rad/s or m/s].
+            xs: (n) the changes of speed that they were expected to make at the last one.
+            speeds: (n) that are seen [rad/s or m/s].
             kept: Share of the sums that is left.
-            fading: Share of its speed that is left, from one decision to the next.
+            fading: Share of their speeds that is left, from one decision to the next.
         """
-        before, change, wanted, _, made, late = self
-        y = speed - fading * before
-        made, late = kept * made + x * y, kept * late + change * y
-        return Seen(speed, x, kept * wanted + x * x, wanted, made, late)
+        wanted, made, late = [], [], []
+        for x, speed, before, change, square, once, twice in zip(
+            xs, speeds, self.speeds, self.changes, self.wanted, self.made, self.late, strict=True
+        ):
+            y = speed - fading * before
+            wanted.append(kept * square + x * x)
+            made.append(kept * once + x * y)
+            late.append(kept * twice + change * y)
+        return Seen(speeds, xs, wanted, self.wanted, made, late)
 
-    def expected(self, xp: Namespace, fading: float) -> tuple[Number, Number]:
-        """Return eta, and the speed that it has once what it wanted last is in force."""
-        speed, change, wanted, lately, made, late = self
-        once = xp.clip((made + TINY) / (wanted + TINY), 0.0, 1.0)
-        late = xp.clip((late + TINY) / (lately + TINY), 0.0, 1.0)
-        pending = xp.clip((late - once) / CLEARLY, 0.0, 1.0) * late
-        return xp.maximum(once, late), speed + pending * ((fading - 1.0) * speed + change)
+    def expected(self, xp: Namespace, fading: float) -> tuple[list[Number], list[Number]]:
+        """Return eta (n), and the speeds (n) once what was wanted last is in force."""
+        clip, maximum = xp.clip, xp.maximum
+        shares, going = [], []
+        for speed, change, wanted, lately, made, late in zip(*self, strict=True):
+            once = clip((made + TINY) / (wanted + TINY), 0.0, 1.0)
+            twice = clip((late + TINY) / (lately + TINY), 0.0, 1.0)
+            pending = clip((twice - once) / CLEARLY, 0.0, 1.0) * twice
+            shares.append(maximum(once, twice))
+            going.append(speed + pending * ((fading - 1.0) * speed + change))
+        return shares, going
 
 
-def first_seen(speed: Number) -> Seen:
-    """Return what is remembered of a joint to begin with: it is expected to do its part."""
-    return Seen(speed, 0.0, TRIFLE, TRIFLE, TRIFLE, 0.0)
+def first_seen(speeds: Sequence[Number]) -> Seen:
+    """Return what is remembered of joints to begin with: they are expected to do their part."""
+    n = len(speeds)
+    some, none = [TRIFLE] * n, [0.0] * n
+    return Seen(speeds, none, some, some, some, none)
 
 
 def left_by_others(

@@ -9,7 +9,7 @@ from agents.agent import REST, Agent, AgentError, Array, Body, Goal, Percepts, P
 from agents.avoiding import Avoiding
 from agents.in_parts import InParts, advance
 from agents.lifting import lifted
-from agents.markers import LEVER, Off, Quaternion, aim_at, cost, reach_of, turn_against
+from agents.markers import LEVER, Quaternion, aim_at, cost, reach_of, turn_against
 from agents.number import MANY
 from agents.sight import Perception, Sight, View
 from agents.steering import FORWARD, SMALL, TRIFLE, Course, Planner
@@ -345,7 +345,7 @@ class PlatformAgent(Agent):
         hand = None if aim.turn is None else view.turn
         turn = hand and turn_against(MANY, hand, aim)
         tip = missing[..., 0], missing[..., 1], missing[..., 2]
-        whole: Array = np.sqrt(cost(Off(tip, turn), ORIGIN, self._lever2))
+        whole: Array = np.sqrt(cost((tip, turn), ORIGIN, self._lever2))
         if hand is None or turn is None or aim.turn is None:
             return whole, None
         upright = 2 * (turn[0] + 1j * turn[3]) ** 2

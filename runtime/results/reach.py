@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from agents.agent import Array, Body
-from agents.markers import LEVER, Aim, Off, angle_off, best_step, cost, reach_of, turned_against
+from agents.markers import LEVER, Aim, angle_off, best_step, cost, reach_of, turned_against
 from agents.number import MANY, ONE
 from plant.kinematics import Kinematics, quaternion
 from plant.robot import Robot
@@ -62,7 +62,7 @@ def smallest_error(
             base[:, :2] += (goal - kinematics.forward(postures, base).tip)[:, :2]
         for joint in set(range(robot.n)) - set(stuck):
             pose = kinematics.forward(postures, base)
-            off = Off(pose.tip_parts, turned_against(MANY, pose, aim))
+            off = pose.tip_parts, turned_against(MANY, pose, aim)
             axis, point = pose.axis_parts[joint], pose.point_parts[joint]
             slides = robot.joints[joint].slides
             moved = postures[:, joint] + best_step(
@@ -72,6 +72,6 @@ def smallest_error(
     if roams:
         base[:, :2] += (goal - kinematics.forward(postures, base).tip)[:, :2]
     pose = kinematics.forward(postures, base)
-    off = Off(pose.tip_parts, turned_against(MANY, pose, aim))
+    off = pose.tip_parts, turned_against(MANY, pose, aim)
     best = int(cost(off, aim.place, lever2).argmin())
     return hand_error(pose.tip[best].tolist(), quaternion(pose.rotation[best]).tolist(), aim)

@@ -10,7 +10,7 @@ import numpy as np
 
 from agents.agent import Agent, Array, Body, Percepts
 from agents.joint import joint_of
-from agents.markers import Off, after_step, cost, place_at
+from agents.markers import after_step, cost, place_at
 from agents.number import Number, namespace_of
 from agents.sight import Perception, Sight
 
@@ -37,7 +37,7 @@ class FixedStepAgent(Agent):
             return None
         xp, place = namespace_of(percepts.joints.position), place_at(goal, goal.moving(percepts.t))
         axis, point = view.arm.axis_parts[self._joint], view.arm.point_parts[self._joint]
-        off = Off(view.arm.tip_parts, None)
+        off = view.arm.tip_parts, None
         best: Number = 0.0
         least = cost(off, place, 0.0)
         for way in (1.0, -1.0):

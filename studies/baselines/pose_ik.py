@@ -95,7 +95,7 @@ class PoseController(CentralController):
         q, n = joints.position, self._robot.n
         arm = self._kinematics.forward(q, base)
         aim = aim_at(np, goal, t, 1.0 / RATE)
-        off = Off(arm.tip_parts, turned_against(np, arm, aim))
+        off = arm.tip_parts, turned_against(np, arm, aim)
         distance = np.sqrt(cost(off, aim.place, self._lever**2))
         moves = goal.moves(t)
         rests = np.zeros(distance.shape, dtype=bool) if moves else distance < ARRIVED
@@ -139,9 +139,10 @@ class DampedLeastSquares(PoseController):
         self, q: Array, base: Array | None, arm: ArmPose, off: Off, aim: Aim, rests: Bools
     ) -> Array:
         """Return the speeds (B, n) or (B, n + 2)."""
-        error = np.stack([g - e for g, e in zip(aim.place, off.tip, strict=True)], axis=-1)
-        if off.turn is not None:
-            back = -np.stack(rotation_vector(np, off.turn), axis=-1)
+        tip, turn = off
+        error = np.stack([g - e for g, e in zip(aim.place, tip, strict=True)], axis=-1)
+        if turn is not None:
+            back = -np.stack(rotation_vector(np, turn), axis=-1)
             error = np.concatenate([error, self._lever * back], axis=-1)
         n, k = self._robot.n, error.shape[-1]
         columns = self._columns(arm, base)[..., :k] * (self._top[:, None] / RATE)

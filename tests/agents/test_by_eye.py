@@ -7,7 +7,7 @@ from agents.agent import Body, Goal, Joints, Percepts
 from agents.attitude import rotation_by
 from agents.by_eye import Lengths, Told
 from agents.joint import JointAgent
-from agents.markers import Off, aim_at, cost, turn_of, turned_against
+from agents.markers import aim_at, cost, turn_of, turned_against
 from agents.number import MANY
 from plant.kinematics import kinematics_of, quaternion
 from plant.urdf import load
@@ -48,7 +48,7 @@ def test_what_is_missing_is_the_cost_of_the_markers(seven, free):
     lengths, aim = Lengths(LEVER, REACH), aim_at(MANY, goal, 0.0)
     seen = lengths.of_hand(arm.tip, turn_of(MANY, arm))
     missing = lengths.of_goal(0.0, goal)[0] - seen
-    off = Off(arm.tip_parts, turned_against(MANY, arm, aim))
+    off = arm.tip_parts, turned_against(MANY, arm, aim)
     wanted = cost(off, aim.place, 0.5 * (LEVER * REACH) ** 2) / REACH**2
     assert missing @ missing == pytest.approx(wanted, rel=0.01)
     if free == "roll":

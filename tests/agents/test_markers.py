@@ -6,7 +6,6 @@ import pytest
 from agents.agent import Goal
 from agents.markers import (
     Aim,
-    Off,
     after_step,
     aim_at,
     best_step,
@@ -37,7 +36,7 @@ def hand_and_aim(robot, seed, free="nothing", batch=()):
     goal = Goal(there.tip, np.zeros(3), 0.0, 0.0, quaternion(there.rotation), None, free)
     xp = MANY if batch else ONE
     aim = aim_at(xp, goal, 0.0)
-    return xp, arm, aim, Off(arm.tip_parts, turned_against(xp, arm, aim)), there
+    return xp, arm, aim, (arm.tip_parts, turned_against(xp, arm, aim)), there
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -84,7 +83,7 @@ def test_a_hand_that_may_roll_is_not_asked_to(seven):
     w, x, y, z = product((turn[3], turn[0], turn[1], turn[2]), rolled)
     goal = Goal(place, np.zeros(3), 0.0, 0.0, np.array([x, y, z, w]), None, "roll")
     aim = aim_at(ONE, goal, 0.0)
-    off = Off(there.tip_parts, turned_against(ONE, there, aim))
+    off = there.tip_parts, turned_against(ONE, there, aim)
     assert cost(off, aim.place, LEVER2) == pytest.approx(0.0, abs=1e-12)
 
 
@@ -92,10 +91,7 @@ def test_a_batch_is_as_one_robot_at_a_time(seven):
     xp, arm, aim, off, _ = hand_and_aim(seven, 1, batch=(4,))
     steps = best_step(xp, off, aim.place, LEVER2, arm.axis_parts[2], arm.point_parts[2], False)
     for i in range(4):
-        one = Off(
-            tuple(each[i] for each in off.tip),
-            tuple(each[i] for each in off.turn),
-        )
+        one = tuple(tuple(each[i] for each in part) for part in off)
         axis = components(arm.axes[i, 2])
         point = components(arm.points[i, 2])
         place = tuple(each[i] for each in aim.place)

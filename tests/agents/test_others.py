@@ -25,25 +25,26 @@ def seen_after(delay: int, share: float, count: int = 40):
     speeds = [0.0]
     for k in range(count):
         speeds.append(FADING * speeds[-1] + (share * wanted[k - delay] if k >= delay else 0.0))
-    seen = first_seen(0.0)
+    seen = first_seen([0.0])
     for x, speed in zip(wanted, speeds[1:], strict=True):
-        seen = seen.after(x, speed, KEPT, FADING)
+        seen = seen.after([x], [speed], KEPT, FADING)
     return seen
 
 
 @pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
 def test_of_a_joint_is_expected_what_it_was_seen_to_do(share):
     seen = seen_after(0, share)
-    eta, going = seen.expected(ONE, FADING)
+    (eta,), going = seen.expected(ONE, FADING)
     assert eta == pytest.approx(share, abs=0.1)
-    assert going == seen.speed
+    assert going == seen.speeds
 
 
 def test_who_answers_a_decision_late_is_expected_to_answer_yet():
     seen = seen_after(1, 1.0)
-    eta, going = seen.expected(ONE, FADING)
+    (eta,), (going,) = seen.expected(ONE, FADING)
+    (speed,), (change,) = seen.speeds, seen.changes
     assert eta > 0.5
-    assert going == pytest.approx(seen.speed + eta * (seen.change - (1 - FADING) * seen.speed))
+    assert going == pytest.approx(speed + eta * (change - (1 - FADING) * speed))
 
 
 def reach(folder, joints: int, *, delay: int = 0, count: int = 12, seconds: float = 20.0, lock=()):
