@@ -11,11 +11,14 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from plant.faults import Fault
+from plant.robot import Robot
 from plant.urdf import load
 from studies.arm_batch import NEAR, reach
 from studies.bars import BARS, Bar
+from studies.cases import posed
 from studies.cases.drawn import TUNING, drawn
 from studies.cases.kind import Kind, judged, play, team
+from studies.mobile import ARPH
 from studies.planar_reach import anywhere
 from studies.study import Findings, Progress, Row, Study, share
 
@@ -56,7 +59,13 @@ TERMS = (
     _platform("comfort", "EASE", 0.0),
     _platform("a trifling error calls for no detour", "TRIFLE", 1e-9),
     _platform("what the drive makes of its commands is learned", "LEAST", 1.0),
-    Term("the elbow keeps off straight", ("studies.cases.kind:BEND",), {}, joints=True),
+    _platform("in the end a detour is better than an error for good", "URGES", 0.0),
+    Term(
+        "the elbow keeps off straight",
+        ("studies.cases.kind:BEND", "studies.cases.posed:BEND"),
+        {},
+        joints=True,
+    ),
     Term("a joint leaves its stop the long way", ("agents.stops:Stops.NOTICE",), np.inf, True),
     Term("a joint moves by chance", ("agents.kick:PATIENCE",), 1e9, True),
     Term("what is far on the level is left to the platform", ("agents.laws:NEAR",), 1e9),
@@ -69,6 +78,7 @@ SAMPLED = (
     "circle", "eight", "disturbed", "directions", "goals", "slow",
 )  # fmt: skip
 """Kinds of `bars` that samples are taken of."""
+POSE, _, LOCKED = posed.TASKS
 
 
 class Score(NamedTuple):
@@ -168,6 +178,7 @@ def mobile_samples(size: float) -> Samples:
     bars = {bar.kind: bar for bar in BARS if bar.kind in SAMPLED}
     samples: Samples = {name: partial(_bar, bar, bar.cases(every)) for name, bar in bars.items()}
     samples["held-out"] = partial(_held_out, max(round(4 * size), 1))
+    samples["poses, ARPH, one locked"] = partial(_poses, ARPH, LOCKED, max(round(24 * size), 1))
     return samples
 
 
@@ -196,7 +207,17 @@ def arm_samples(size: float) -> Samples:
         "encoder-faults, localiser": [("encoder/2", "biased", float(np.radians(10.0)))],
         "no-model": [("localiser", "noisy", 0.001)],
     }
-    return {name: partial(_arms, name, each, count) for name, each in faults.items()}
+    samples: Samples = {name: partial(_arms, name, each, count) for name, each in faults.items()}
+    samples["poses"] = partial(_poses, load("seven"), POSE, count)
+    samples["poses, one locked"] = partial(_poses, load("seven"), LOCKED, count)
+    return samples
+
+
+def _poses(robot: Robot, task: posed.Task, count: int) -> Score:
+    arms, seed = posed.posed(robot, task, count, TUNING[0]), TUNING[0]
+    trace = posed.play(arms, posed.team(robot, posed.PERIOD, seed), seed)
+    good = np.isfinite(posed.settled(arms, trace))
+    return Score(int(good.sum()), count, float(np.median(trace.error[-1])))
 
 
 def _arms(name: str, faults: list[tuple[str, str, float | None]], count: int) -> Score:

@@ -32,6 +32,7 @@ from studies.cases.posed import (
     chain,
     follow,
     moving,
+    play,
     posed,
     settled,
     team,
@@ -144,7 +145,7 @@ class Poses(Study[PosesFound]):
             return
         arms = posed(robot, task, count, self._seed)
         progress.step(name)
-        since = settled(arms, team(robot, PERIOD, self._seed), self._seed)
+        since = settled(arms, play(arms, team(robot, PERIOD, self._seed), self._seed))
         good, of = int(np.isfinite(since).sum()), len(since)
         met = bool(good >= task.bar * of)
         yield Row(f"{name}: MSMA", required, _said(since), met), f"{source.name}, MSMA", (good, of)
@@ -163,7 +164,7 @@ class Poses(Study[PosesFound]):
         assert side.make is not None
         locked = arms.locked if side.informed else None
         controller = side.make(arms.robot, PERIOD, locked=locked, seed=self._seed)
-        return settled(arms, as_agents(controller, arms.robot), self._seed)
+        return settled(arms, play(arms, as_agents(controller, arms.robot), self._seed))
 
     def _following(self, count: int, progress: Progress) -> Iterator[Row]:
         """Yield the rows of moving poses."""

@@ -166,10 +166,8 @@ def team(robot: Robot, period: float, seed: int) -> dict[str, Agent]:
     return agents
 
 
-def settled(arms: Posed, agents: Mapping[str, Agent], seed: int) -> Array:
-    """Return from when on each hand stays within tolerance to the end (B,) [s].
-
-    It is infinite where that is less than `LAST` before the end.
+def play(arms: Posed, agents: Mapping[str, Agent], seed: int) -> Trace:
+    """Run all arms as one batch, in lockstep.
 
     Args:
         arms: The arms.
@@ -179,7 +177,14 @@ def settled(arms: Posed, agents: Mapping[str, Agent], seed: int) -> Array:
     each = BatchFaults.none(arms.robot, len(arms.q))
     each.strength[arms.locked] = 0.0
     plant = BatchPlant(Setup(arms.robot, arms.q, period=PERIOD, seed=[seed]), each)
-    trace = run(plant, agents, lambda t: arms.goal, DURATION, every=EVERY)
+    return run(plant, agents, lambda t: arms.goal, DURATION, every=EVERY)
+
+
+def settled(arms: Posed, trace: Trace) -> Array:
+    """Return from when on each hand stays within tolerance to the end (B,) [s].
+
+    It is infinite where that is less than `LAST` before the end.
+    """
     angle = angles_off(arms.robot, arms.goal, trace)
     return to_the_end(trace.t, (trace.error < NEAR) & (angle < TURNED))
 

@@ -19,7 +19,18 @@ from studies.baselines.pose_ik import (
     ranges,
 )
 from studies.cases import posed as cases
-from studies.cases.posed import SOURCES, TASKS, Source, chain, follow, moving, posed, settled, team
+from studies.cases.posed import (
+    SOURCES,
+    TASKS,
+    Source,
+    chain,
+    follow,
+    moving,
+    play,
+    posed,
+    settled,
+    team,
+)
 from studies.poses import Poses, sides
 from studies.report import Report, as_json
 from studies.study import Progress, Row, StudyError
@@ -77,7 +88,7 @@ def test_a_baseline_brings_the_hand_to_a_pose_nearby(
     goal = Goal(hand.tip, np.zeros((3, 3)), 0.0, 0.0, quaternion(hand.rotation))
     arms = cases.Posed(robot, q, goal, np.zeros(q.shape, dtype=bool))
     monkeypatch.setattr(cases, "DURATION", 5.0)
-    since = settled(arms, as_agents(make(robot, cases.PERIOD), robot), 0)
+    since = settled(arms, play(arms, as_agents(make(robot, cases.PERIOD), robot), 0))
     assert (since < 4.0).all()
 
 
