@@ -111,9 +111,9 @@ class PlatformAgent(Agent):
     It shares the hand with the arm: it expects that the arm goes on as seen, less and less, so
     what the arm does now the platform takes over. It knows nothing of what is broken: where the
     arm's motion is that of a single joint, the hand is expected on that joint's circle; where the
-    arm makes good what comfort asks for, comfort is sought; what share of a command the drive makes
-    is learned, and taken for no less than it has just made. It goes forward only: the sensors that
-    keep it off people look ahead.
+    arm makes good what comfort asks for, comfort is sought as long as the goal moves; what share of
+    a command the drive makes is learned, and taken for no less than it has just made. It goes
+    forward only: the sensors that keep it off people look ahead.
     """
 
     def __init__(
