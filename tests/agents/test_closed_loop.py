@@ -11,7 +11,7 @@ from plant.faults import Fault
 from plant.kinematic import KinematicPlant
 from plant.plant import Commands, Setup
 from plant.urdf import load
-from studies.cases.posed import PERIOD, TASKS, posed, settled, team
+from studies.cases.posed import PERIOD, TASKS, play, posed, settled, team
 from studies.lockstep import Event, Trace, decide_all, run, true_motion
 from tests.agents.conftest import START
 
@@ -129,7 +129,7 @@ def test_a_hand_carried_too_far_comes_back_by_a_detour(arph):
 def test_arms_turn_their_hands_before_the_platform_has_arrived(arph):
     # Joints that wait for the platform do so too late: 15 of these 40 came to their goal.
     arms = posed(arph, TASKS[2], 40, 5)
-    assert np.isfinite(settled(arms, team(arph, PERIOD, 5), 5)).sum() > 19
+    assert np.isfinite(settled(arms, play(arms, team(arph, PERIOD, 5), 5))).sum() > 19
 
 
 def test_without_the_platform_the_hand_goes_as_far_as_it_reaches(arph):
