@@ -7,6 +7,7 @@ import numpy as np
 
 from agents.agent import REST, Agent, AgentError, Array, Body, Goal, Percepts, Places
 from agents.avoiding import Avoiding
+from agents.bends import Way, onward
 from agents.in_parts import InParts, advance
 from agents.lifting import lifted
 from agents.markers import LEVER, Quaternion, aim_at, cost, reach_of, turn_against
@@ -32,9 +33,6 @@ the drive's strength is learned and comfort is sought. Chosen: 1.3 s with ARPH, 
 an arm takes to settle."""
 STILL = 0.003
 """[top speed] Motion that counts as none. Chosen: below 1 mm/s and 0.2 deg/s with ARPH."""
-CORNER = 0.2
-"""[rad] Change of the goal's course between two plans that is a corner, not a bend. Derived: a
-bend of that rate would turn by half a turn a second."""
 SWINGS = 0.05
 """[L] Largest distance that the arm's own motion is expected to go on. Trade-off: without a limit
 the platform turns away from a swing of the arm that its own turning causes."""
@@ -70,7 +68,7 @@ class Memory(NamedTuple):
     Attributes:
         t: Of this plan [s].
         hand: (..., 3) where the hand was [m].
-        going, bend: (...) how the goal went [m/s], and how fast its way has turned [rad/s].
+        way: How the goal went.
         moved: (..., n) mean squares of the joints' speeds.
         ease: (...) by what the hand is carried past its goal [m], as the platform faces.
         urge: (...) power of e by which an error counts more that a plan leaves.
@@ -79,8 +77,7 @@ class Memory(NamedTuple):
 
     t: float
     hand: Array
-    going: Places
-    bends: tuple[Array, Array]
+    way: Way
     moved: Array
     ease: Places
     urge: Array
@@ -249,23 +246,18 @@ class PlatformAgent(Agent):
             old = None
         elapsed = PLANS * self._unit if old is None else t - old.t
         turn, place = np.exp(-1j * base[..., 2]), _flat(base)
-        held, target, going = (
-            (_flat(hand) - place) * turn,
-            (_flat(aim) - place) * turn,
-            _flat(velocity),
-        )
-        zero = np.zeros(held.shape)
+        held, target = (_flat(hand) - place) * turn, (_flat(aim) - place) * turn
+        where = _flat(aim), _flat(velocity)
         if old is None:
-            past = t, hand, going, (zero, zero), np.zeros(1), zero, zero
+            zero = np.zeros(held.shape)
+            past = t, hand, Way.begun(*where), np.zeros(1), zero, zero
             old = Memory(*past, None, None)  # type: ignore[arg-type]
         end, share = self._planner.times, self._share(elapsed)
         # the goal goes on, on a circle if its way has bent
-        bent = np.angle(going * np.conj(old.going))
-        bends = self._bent(elapsed, old.bends, bent, (np.abs(bent) < CORNER) & (going != 0))
-        angle = 1j * bends[1][..., None] * end
-        straight = angle == 0
-        arc = np.where(straight, 1.0, np.expm1(angle) / np.where(straight, 1.0, angle))
-        goal_then = target[..., None] + (going * turn)[..., None] * end * arc
+        way = old.way.on(*where, elapsed, self._fades)
+        going, bend = way.course()
+        going = going * turn
+        goal_then = target[..., None] + onward(going, bend, self._planner.end)
         # the arm lifts the hand as it has of late; the rest of its own motion fades
         drift = (hand - old.hand) / elapsed
         speed = own.speed * self._top
@@ -307,23 +299,12 @@ class PlatformAgent(Agent):
         near = None
         if self._avoiding is not None:
             near = self._avoiding.seen(t, base, percepts.sensors.get("ranges"))
-        course = Course(wanted, hand_then, now, able, lasts, turned, near)
+        course = Course(wanted, going, bend, hand_then, now, able, lasts, turned, near)
         yield
         plan = yield from self._planner.plan(course, before)
         if self._avoiding is not None:
             self.trouble = self._avoiding.limited(base, plan[0] * self._top, off)
-        return Memory(t, hand, going, bends, moved, ease, urge, plan, now)
-
-    def _bent(
-        self, elapsed: float, old: tuple[Array, Array], bent: Array, round_way: Array
-    ) -> tuple[Array, Array]:
-        """Return how fast the goal's way turns (...) [rad/s], smoothed once and twice.
-
-        Twice, for a round way may come in chords, and then turns by jerks.
-        """
-        share = self._share(elapsed)
-        once = np.where(round_way, old[0] + share * (bent / elapsed - old[0]), 0.0)
-        return once, np.where(round_way, old[1] + share * (once - old[1]), 0.0)
+        return Memory(t, hand, way, moved, ease, urge, plan, now)
 
     def _turned(
         self, view: View, goal: Goal, t: float, missing: Array

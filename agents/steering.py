@@ -60,8 +60,10 @@ class Course(NamedTuple):
     """What is expected at the ends of the intervals, for one platform or many.
 
     Attributes:
-        goal: (..., M + BEYOND) where the goal is [m], at the ends and on.
-        hand: (..., M + BEYOND) where the arm holds the hand, as seen from the platform [m].
+        goal: (..., M) where the goal is [m].
+        going, bend: (...) how it goes now [m/s], and how fast its course turns [rad/s].
+        hand: (..., M + BEYOND) where the arm holds the hand, as seen from the platform [m], then
+            and on.
         now: (..., 2) present speeds, as shares of the tops.
         able: (..., 2) shares of the tops that the drive makes.
         lasts: (..., 1) how long the error at a plan's end is taken to last [s].
@@ -71,6 +73,8 @@ class Course(NamedTuple):
     """
 
     goal: Places
+    going: Places
+    bend: Array
     hand: Places
     now: Array
     able: Array
@@ -167,7 +171,7 @@ class Planner:
         held[...] = course.now[..., None, None, :]
         first = held if before is None else before[..., None, :, :]
         plans = np.concatenate([np.zeros_like(held), held, *others, first], axis=-3)
-        tail = tail_of(course.goal, course.hand, self.times, self.end)
+        tail = tail_of(course.going, course.bend, course.hand, self.times, self.end)
         tried = self._tried(course, tail, plans.clip(least, most))
         index = np.full((*course.goal.shape[:-1], 2), plans.shape[-3] - 1)
         index[..., 1] = tried.cost[..., :-1].argmin(axis=-1)
@@ -203,7 +207,7 @@ class Planner:
         way = speed[..., 0] * self._most_ahead * (np.sin(half) / half) * middle
         place = way.cumsum(axis=-1)
         hand = place + heading * course.hand[..., None, :INTERVALS]
-        missing = course.goal[..., None, :INTERVALS] - hand
+        missing = course.goal[..., None, :] - hand
         return place - 0.5 * way, place, middle, heading, missing
 
     def _rho(self, missing: Array) -> Array:
@@ -279,7 +283,7 @@ class Planner:
         """
         plan, _, pivot, place, middle, headings, missing, *_ = both
         heading = headings[..., -1]
-        hand = course.goal[..., None, :INTERVALS] - missing
+        hand = course.goal[..., None, :] - missing
         ahead = (self._until * (middle * self._most_ahead)[..., None, :]) @ self._mix
         around = 1j * (hand[..., :, None] - pivot[..., None, :]) * self._most_turn
         ways = np.concatenate([ahead, (self._until * around) @ self._mix], axis=-1)

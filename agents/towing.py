@@ -25,38 +25,41 @@ class Tail(NamedTuple):
     weight: Array
 
 
-def tail_of(goal: Places, hand: Places, times: Array, end: Array) -> Tail:
+def tail_of(going: Places, bend: Array, hand: Places, times: Array, end: Array) -> Tail:
     """Return what is to be at the plan's end.
 
-    A hand at h = a + i b, with a < 0, keeps to a goal that goes at V to phi while
-    V sin(phi - psi) = w a + b'. This is unstable at z = V / |a| (it has a zero there), so
-    psi is its bounded solution: backwards, from beyond the end, it follows
-    phi - asin(b' / V) with the time constant 1 / z (Devasia, Chen and Paden 1996,
-    "Nonlinear inversion-based output tracking"). Where it is off by y to the side at the
-    axle, an error of 2 y e^-zt brings it back with the least squares, so that the rest of
-    the cost is rho(2 y) / (2 z); slower than the horizon H, it need not be brought back:
-    1 / z becomes V |a| / (V^2 + a^2 / H^2).
+    A hand at h = a + i b, with a < 0, keeps to a goal that goes at V to phi, which turns at w,
+    while V sin(phi - psi) = a psi' + b'. This is unstable at z = V / |a| (it has a zero there), so
+    psi is its bounded solution: backwards, from beyond the end, phi - psi follows
+    asin((a w + b') / V), where it is steady, with the time constant 1 / (z cos(phi - psi))
+    (Devasia, Chen and Paden 1996, "Nonlinear inversion-based output tracking"). Where it is off
+    by y to the side at the axle, an error of 2 y e^-zt brings it back with the least squares, so
+    that the rest of the cost is rho(2 y) / (2 z); slower than the horizon H, it need not be
+    brought back: 1 / z becomes V |a| / (V^2 + a^2 / H^2).
 
     Args:
-        goal: (..., N) as of a course, at the ends of the M intervals of a plan and on [m].
-        hand: (..., N) likewise.
+        going: (...) how the goal goes now [m/s].
+        bend: (...) how fast its course turns, w [rad/s].
+        hand: (..., N) as of a course, at the ends of the M intervals of a plan and on [m].
         times: (N,) of these [s].
         end: (M,) of the intervals [s].
     """
     last = len(end) - 1
-    times, goal, hand = times[last:], goal[..., last:], hand[..., last:]
+    times, hand = times[last:], hand[..., last:]
     step = times[1:] - times[:-1]
-    going = (goal[..., 1:] - goal[..., :-1]) / step
+    speed = np.maximum(np.abs(going), 1e-9)[..., None]
     drift = (hand[..., 1:] - hand[..., :-1]).imag / step
-    speed = np.maximum(np.abs(going), 1e-9)
-    sine = (drift / speed).clip(-OBLIQUE, OBLIQUE)
-    steady = going / speed * (np.sqrt(1 - sine**2) - 1j * sine)
+    sine = (hand[..., 1:].real * bend[..., None] + drift) / speed
+    sine = sine.clip(-OBLIQUE, OBLIQUE)
+    cosine = np.sqrt(1 - sine**2)
+    steady = cosine - 1j * sine
     behind = np.maximum(-hand.real, 0.0)
-    kept = np.ones(goal.shape)
-    kept[..., 1:] = np.exp(-speed * step / np.maximum(behind[..., 1:], 1e-9))
+    kept = np.ones(hand.shape)
+    kept[..., 1:] = np.exp(-speed * cosine * step / np.maximum(behind[..., 1:], 1e-9))
     after = kept.cumprod(axis=-1)
-    heading = (steady * (after[..., 1:] - after[..., :-1])).sum(axis=-1)
-    heading = after[..., -1] * steady[..., -1] - heading
+    aside = (steady * (after[..., 1:] - after[..., :-1])).sum(axis=-1)
+    aside = after[..., -1] * steady[..., -1] - aside
+    heading = aside * going * np.exp(1j * bend * end[-1])
     heading = heading / np.maximum(np.abs(heading), 1e-9)
     speed, behind = speed[..., 0], behind[..., 0]
     weight = speed * behind / (speed**2 + (behind / end[-1]) ** 2) / 2

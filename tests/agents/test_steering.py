@@ -11,9 +11,9 @@ PLANNER = Planner(np.array([0.3, 0.8]), np.array([0.5, 2.0]), 1.0)
 
 
 def course(goal, hand, now=(0.0, 0.0), going=0.0):
-    whole = np.ones(INTERVALS + BEYOND)
-    lasts = np.array([2.0])
-    return Course(goal + going * PLANNER.times, hand * whole, np.array(now), np.ones(2), lasts)
+    goes = goal + going * PLANNER.end, np.array(going), np.zeros(())
+    hand = hand * np.ones(INTERVALS + BEYOND)
+    return Course(*goes, hand, np.array(now), np.ones(2), np.array([2.0]))
 
 
 def planned(ahead, before=None):
@@ -21,7 +21,7 @@ def planned(ahead, before=None):
 
 
 def tail(course):
-    return tail_of(course.goal, course.hand, PLANNER.times, PLANNER.end)
+    return tail_of(course.going, course.bend, course.hand, PLANNER.times, PLANNER.end)
 
 
 def followed(goal, hand, plans=60, period=0.1, going=0.0):
