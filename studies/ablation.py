@@ -39,10 +39,13 @@ class Term(NamedTuple):
     joints: bool = False
 
 
+PLATFORM = "agents.steering", "agents.platform", "agents.bends", "agents.lifting"
+"""Modules of the platform's law."""
+
+
 def _platform(name: str, constant: str, off: float) -> Term:
-    """Return a term of the platform's law, whose constants up to three modules read."""
-    modules = [module for module in ("agents.steering", "agents.platform", "agents.lifting")
-               if hasattr(import_module(module), constant)]  # fmt: skip
+    """Return a term of the platform's law, whose constant one module reads or more."""
+    modules = [module for module in PLATFORM if hasattr(import_module(module), constant)]
     return Term(name, tuple(f"{module}:{constant}" for module in modules), off)
 
 
