@@ -10,7 +10,7 @@ OBLIQUE = 0.95
 """[] Sine of the most that a platform heads off where the goal goes, to make up for the hand's own
 motion to the side and for the goal's turning. Chosen: at 1 the hand would drift as fast as the goal
 goes, or is as far behind the axle as the goal's circle is wide; 0.8 does as well but for circles
-narrower than |a| / 0.8, of which the hand then stays 20 to 50 mm off."""
+narrower than 1.25 times that, of which the hand then stays 20 to 50 mm off."""
 
 
 class Tail(NamedTuple):
