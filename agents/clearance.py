@@ -125,8 +125,8 @@ class Clearance:
 
         Args:
             near: (K,) things [m].
-            goal: (N,) where it is at the ends of intervals, of which the plan has the first M [m].
-            hand: (N,) where the arm holds the hand [m].
+            goal: (M,) where it is at the ends of the intervals [m].
+            hand: (N,) where the arm holds the hand [m], then and on.
         """
         last = len(self._end) - 1
         places = self._passes(near, goal[last], abs(hand[last]))
