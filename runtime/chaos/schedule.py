@@ -26,6 +26,11 @@ class Schedule:
         # Whoever carries it out may be killed by it, after all else that is due then.
         self._left.sort(key=lambda due: (due.at, due.event.kill == LAUNCHER))
 
+    @property
+    def left(self) -> list[ChaosEvent]:
+        """The events that have not begun."""
+        return [due.event for due in self._left if not due.over]
+
     def due(self, t: float) -> list[Due]:
         """Return what is due at plant time `t` [s] and was not before, in the order of times."""
         count = sum(due.at <= t for due in self._left)

@@ -5,6 +5,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from runtime.config.chaos import ChaosEvent
 from runtime.config.deployment import Deployment
 from runtime.config.specs import NodeSpec
 from runtime.errors import RunError
@@ -81,6 +82,12 @@ class Journal:
         self.events.append(RunEvent(self.t, text))
         self.write("happened", what=text, **more)
         self.show(text)
+
+    def check_left(self, events: Iterable[ChaosEvent]) -> None:
+        """Note the chaos that was never due, as when the plant was not heard: see `Schedule`."""
+        for one in events:
+            reached = f"plant time came to {self.t:.2f} s"
+            self.happened(f"no {one.action} of {one.target} at {one.at:g} s: {reached}")
 
     def show(self, text: str) -> None:
         """Show people what is logged elsewhere."""

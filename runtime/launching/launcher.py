@@ -138,7 +138,10 @@ class Launcher:
                 if refusals is not None:
                     refusals.look()
             if end := self._watcher.clock.end(of, now):
+                journal.check_left(schedule.left)
                 return end[0]
+        if self._shutdown.reason is None:
+            journal.check_left(schedule.left)
         return "all its processes have ended"
 
     def _show_page(self) -> None:

@@ -33,7 +33,6 @@ from runtime.wire.packing import pack
 from runtime.wire.refusals import Refusals
 from runtime.wire.zenoh_internals.connection_log import ConnectionLog
 from runtime.wire.zenoh_internals.features import Internal, uses
-from runtime.wire.zenoh_internals.transport import disable_linger
 
 _CHECK = 0.25  # [s] between two looks of the watchdog
 _REPORT = 4  # looks from one diag to the next
@@ -138,8 +137,8 @@ class Process(Context):
         pause = random.uniform(0.0, _CHECK)  # or all that began together would do this at once
         while not self.ending.wait(pause):
             pause = _CHECK
-            disable_linger()
             now = time.monotonic()
+            self.bus.check_connections(now)
             if isinstance(self.clock, BusClock):
                 self.t = self.clock.look(now)
             if self.role != topics.PLANT and (end := self.clock.end(self.deployment, now)):

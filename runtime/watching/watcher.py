@@ -22,11 +22,10 @@ from runtime.wire.messages import (
 from runtime.wire.operator_messages import OperatorState
 from runtime.wire.packing import unpack_valid
 from runtime.wire.refusals import Refusals
-from runtime.wire.zenoh_internals.transport import disable_linger
 
 _FRESH = 1.0  # [s] for which a state is shown that is no longer published
 _AT_ONCE = 8
-_CHECK = 0.25  # [s] between two looks for connections that linger
+_CHECK = 0.25  # [s] between two looks at the connections
 
 
 class View(NamedTuple):
@@ -117,7 +116,7 @@ class Watcher(ProcessWatcher):
         now = time.monotonic()
         if now >= self._checked + _CHECK:  # a host that is cut off would keep it from all others
             self._checked = now
-            disable_linger()
+            self._bus.check_connections(now)
         for ring, source in self._inputs:
             for arrival in ring.waiting(_AT_ONCE):
                 source.accept(arrival.data, now)

@@ -25,6 +25,7 @@ from runtime.wire.security import Credentials
 from runtime.wire.session import config
 from runtime.wire.topics import Topic
 from runtime.wire.zenoh_internals.callbacks import CallbackSubscriber, SampleQueue, direct_callback
+from runtime.wire.zenoh_internals.transport import Connections
 
 _LINGER = 0.1  # [s] that an answer has to leave before the bus is closed: closing drops what waits
 _CLOSES = 0.5  # [s] that closing may take: Zenoh waits for attempts to connect to whoever hangs
@@ -136,6 +137,7 @@ class Bus(AbstractContextManager["Bus"]):
             self._session = zenoh.open(config(robot, place, credentials))
         except zenoh.ZError as error:
             raise BusError(_why(robot, role, place, str(error))) from None
+        self._connections = Connections(place.dialled_ports)
         self._asked = -math.inf  # when the last query came [s, monotonic]
 
     def __exit__(self, *_: object) -> None:
@@ -151,6 +153,10 @@ class Bus(AbstractContextManager["Bus"]):
     def _close_session(self) -> None:
         with suppress(zenoh.ZError):  # it gives closing up, after some 10 s
             self._session.close()  # type: ignore[no-untyped-call]
+
+    def check_connections(self, now: float) -> None:
+        """Do with connections what Zenoh leaves undone, see `Connections`; about every 0.25 s."""
+        self._connections.look(now)
 
     def publisher(self, key: str, topic: Topic | None = None) -> Publisher:
         """Return what publishes on one key, as its `topic` says: by default the standard one."""

@@ -68,6 +68,13 @@ class Endpoints(NamedTuple):
     elsewhere: int = 0
     routers: tuple[str, ...] = ()
 
+    @property
+    def dialled_ports(self) -> frozenset[int]:
+        """The ports of the processes or routers that it connects to."""
+        if self.routers:
+            return frozenset(int(router.rpartition(":")[2]) for router in self.routers)
+        return frozenset(there.port for there in (*self.dials, *self.rarely))
+
 
 class Mesh(NamedTuple):
     """The addresses of a robot's processes.

@@ -18,9 +18,8 @@ _ONE_HOST = 250, 10_000, 500
 """Silence after which a connection is closed, time for an attempt to connect, and longest pause
 before the next [ms].
 
-If that time is over within the very milliseconds in which a connection is made, Zenoh 1.10 takes it
-for made, but reads nothing from it and makes no other until one of the two processes ends: with 1 s
-5 of 180 that took 0.985 to 1.005 s, as after a process had hung or on a busy machine."""
+If that time is over within the very milliseconds in which a connection is made, it is only half
+made, see `Connections`: with 1 s, 5 of 180 that took 0.985 to 1.005 s."""
 _SEVERAL_HOSTS = 600, 500, 100
 """The same with several hosts, or with routers. A host that is cut off does not refuse connections,
 so the last two determine how soon it is found when it is back. Between hosts a packet may be lost

@@ -27,6 +27,7 @@ class Internal(StrEnum):
         GIL: Python keeps what it knows of that thread from one message to the next.
         THREADS: One thread does all of Zenoh's work, or many where hosts may vanish.
         LINGER: Connections that are given up are closed at once.
+        UNREAD: Connections of which nothing is read are made anew.
         LOG: Connections that were refused are counted, from Zenoh's log.
     """
 
@@ -34,6 +35,7 @@ class Internal(StrEnum):
     GIL = "gil"
     THREADS = "threads"
     LINGER = "linger"
+    UNREAD = "unread"
     LOG = "log"
 
 
@@ -59,7 +61,7 @@ def _is_there(internal: Internal) -> bool:
         with suppress(TypeError):
             return bool(Callback(print, indirect=False))
         return False
-    if internal is Internal.LINGER:
+    if internal in (Internal.LINGER, Internal.UNREAD):
         return os.path.isdir("/dev/fd")
     if internal is Internal.LOG and not hasattr(os, "memfd_create"):
         return False

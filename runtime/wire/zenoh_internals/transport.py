@@ -1,8 +1,9 @@
-"""The threads that do Zenoh's work and how it closes connections, for which it has no settings."""
+"""The threads that do Zenoh's work and its TCP connections, as far as it has no settings."""
 
 import os
 import socket
 import struct
+from collections.abc import Collection, Mapping
 from contextlib import suppress
 
 from runtime.wire.zenoh_internals.features import Internal, uses
@@ -16,6 +17,7 @@ _ONE_THREAD = (
     "app: (handover: net), acc: (handover: net), tx: (handover: net), rx: (handover: net))"
 )
 _NO_LINGER = struct.pack("ii", 0, 0)
+_FIRST = 64  # bytes: several messages of Zenoh, which numbers them
 
 
 def provide_threads(remote_peers: int) -> None:
@@ -34,25 +36,73 @@ def provide_threads(remote_peers: int) -> None:
         os.environ["ZENOH_RUNTIME"] = many if remote_peers else _ONE_THREAD
 
 
-def disable_linger() -> int:
-    """Remove SO_LINGER from all connections of this process; return how many had it.
+class Connections:
+    """The TCP connections of this process: what Zenoh leaves undone with them.
 
-    Zenoh sets it, and closes connections in the thread that all its messages go through. So closing
-    one whose other end hangs or is cut off blocks all others until the other computer acknowledges
-    the end: 40 ms if it is busy, 10 s if it no longer answers. Without it the system does that in
-    the background.
+    Zenoh sets SO_LINGER, and closes connections in the thread that all its messages go through. So
+    closing one whose other end hangs or is cut off blocks all others until the other computer
+    acknowledges the end: 40 ms if it is busy, 10 s if it no longer answers. Without SO_LINGER the
+    system does that in the background.
 
-    Call it now and then, since Zenoh connects at any time. It takes 0.1 ms.
+    Of a connection that is made in the very moment in which the time for the attempt is over, Zenoh
+    1.10 reads nothing, and makes no other. What has waited for `UNREAD`, several times the silence
+    after which connections are closed anyway, nobody reads: shut down, Zenoh connects again.
+
+    Args:
+        dialled: The ports to which this process connects.
     """
-    lingered = 0
-    for name in os.listdir("/dev/fd") if uses(Internal.LINGER) else ():
-        with suppress(OSError):  # it is not a connection, or closed by now
-            connection = socket.socket(socket.AF_INET, socket.SOCK_STREAM, fileno=int(name))
-            try:
-                option = connection.getsockopt(socket.SOL_SOCKET, socket.SO_LINGER, 8)
-                if option[:4] != _NO_LINGER[:4]:
-                    connection.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, _NO_LINGER)
-                    lingered += 1
-            finally:
-                connection.detach()
-    return lingered
+
+    UNREAD = 1.0
+    """For how long nothing is read of a connection until it is shut down [s]."""
+
+    def __init__(self, dialled: Collection[int]) -> None:
+        self._dialled = frozenset(dialled)
+        self._waiting: dict[int, tuple[bytes, float]] = {}  # first bytes unread, and since when
+
+    def look(self, now: float) -> None:
+        """Look after all connections; call it now and then, as Zenoh connects at any time.
+
+        It takes 0.1 ms.
+
+        Args:
+            now: Monotonic time [s].
+        """
+        linger, unread = uses(Internal.LINGER), uses(Internal.UNREAD)
+        before, self._waiting = self._waiting, {}
+        for name in os.listdir("/dev/fd") if linger or unread else ():
+            with suppress(OSError):  # it is not a connection, or closed by now
+                connection = socket.socket(socket.AF_INET, socket.SOCK_STREAM, fileno=int(name))
+                try:
+                    if linger:
+                        _disable_linger(connection)
+                    if unread and _dialled_port(connection) in self._dialled:
+                        self._check(connection, before, now)
+                finally:
+                    connection.detach()
+
+    def _check(
+        self, connection: socket.socket, before: Mapping[int, tuple[bytes, float]], now: float
+    ) -> None:
+        """Shut down a connection of which nothing has been read for long."""
+        first = connection.recv(_FIRST, socket.MSG_PEEK | socket.MSG_DONTWAIT)
+        number = os.fstat(connection.fileno()).st_ino  # file descriptors are used again
+        was, since = before.get(number, (b"", now))
+        if not was or not first.startswith(was):
+            since = now
+        elif now >= since + self.UNREAD:
+            connection.shutdown(socket.SHUT_RDWR)
+        self._waiting[number] = first, since
+
+
+def _disable_linger(connection: socket.socket) -> None:
+    option = connection.getsockopt(socket.SOL_SOCKET, socket.SO_LINGER, 8)
+    if option[:4] != _NO_LINGER[:4]:
+        connection.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, _NO_LINGER)
+
+
+def _dialled_port(connection: socket.socket) -> int | None:
+    """Return the port at the other end of a connection; None if it is not one by IP."""
+    match connection.getpeername():
+        case (_, int(port), *_):
+            return port
+    return None

@@ -28,6 +28,12 @@ def test_each_event_is_due_once_when_plant_time_has_come(
     assert [[one.event for one in schedule.due(t)] for t in times] == due
 
 
+def test_what_has_not_begun_is_left() -> None:
+    schedule = Schedule([HANG, KILL, REVIVE])
+    schedule.due(7.0)
+    assert schedule.left == [REVIVE]
+
+
 def test_the_end_of_what_lasts_is_due_as_well() -> None:
     schedule = Schedule([HANG, KILL])
     due = [schedule.due(t) for t in (5.0, 6.0, 7.9, 8.0)]

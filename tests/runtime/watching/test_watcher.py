@@ -1,6 +1,4 @@
-import os
 import signal
-import socket
 import time
 from contextlib import suppress
 
@@ -14,7 +12,7 @@ from runtime.watching.watcher import View, Watcher, goal_at
 from runtime.wire import topics
 from runtime.wire.messages import GoalMessage
 from tests.runtime.conftest import DEADLINE, ProcessGroup, wait_for
-from tests.runtime.wire.test_transport import lingers
+from tests.runtime.wire.test_transport import how_many_linger
 
 GOAL = GoalMessage(0.0, (1.0, 2.0, 3.0), (0.1, 0.0, -0.1), since=2.0, until=4.0)
 
@@ -138,19 +136,6 @@ def test_a_watcher_sees_the_joints_the_platform_and_the_goal(processes: ProcessG
     assert view.goal_message.velocity == pytest.approx((0.0, -0.07, 0.02))
 
 
-def lingering() -> int:
-    """Count the connections of this process that keep who closes them waiting."""
-    count = 0
-    for name in os.listdir("/dev/fd"):
-        with suppress(OSError):  # it is not a connection, or closed by now
-            connection = socket.socket(socket.AF_INET, socket.SOCK_STREAM, fileno=int(name))
-            try:
-                count += lingers(connection)
-            finally:
-                connection.detach()
-    return count
-
-
 def test_no_connection_of_who_looks_on_lingers(processes: ProcessGroup) -> None:
     """Closing one to a host that is cut off would keep a launcher from all others until it is back.
 
@@ -160,6 +145,6 @@ def test_no_connection_of_who_looks_on_lingers(processes: ProcessGroup) -> None:
     bus = processes.visit()
     watcher = Watcher(bus)
     wait_for(
-        lambda: bus.links and watcher.look() and lingering() == 0 and bus.links,
+        lambda: bus.links and watcher.look() and how_many_linger() == 0 and bus.links,
         "its connection not to linger",
     )
