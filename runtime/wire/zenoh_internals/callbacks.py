@@ -120,23 +120,25 @@ class CallbackSubscriber:
     def put(self, sample: zenoh.Sample) -> None:
         """Take a sample from the bus's thread."""
         self._received = True
-        elsewhere = self._budget.exceeded or self._waiting
-        if elsewhere or not self._busy.acquire(blocking=False):
-            self._waiting.append(sample_of(sample))
+        self._waiting.append(sample_of(sample))
+        if self._budget.exceeded or not self._busy.acquire(blocking=False):
             self._awake.set()
             return
         try:
-            self._timed_reaction((sample_of(sample),))
+            self._react_to_all()
         except Exception as error:  # it is the caller of `run` that has to know
             self._error = error
             self._awake.set()
         finally:
             self._busy.release()
 
-    def _timed_reaction(self, samples: Sequence[Sample]) -> None:
-        began = time.monotonic()
-        self._react(samples, began)
-        self._budget.add(began, time.monotonic())
+    def _react_to_all(self, silent: bool = False) -> None:
+        """React to all that waits, also what came during the last reaction; or to silence."""
+        waiting = [self._waiting.popleft() for _ in range(len(self._waiting))]
+        if waiting or silent:
+            began = time.monotonic()
+            self._react(waiting, began)
+            self._budget.add(began, time.monotonic())
 
     def run(self) -> None:
         """Let it react until the bus is closed; raises what a reaction raises."""
@@ -147,9 +149,7 @@ class CallbackSubscriber:
             if self._error is not None:
                 raise self._error
             with self._busy:
-                waiting = [self._waiting.popleft() for _ in range(len(self._waiting))]
-                if waiting or silent:
-                    self._timed_reaction(waiting)
+                self._react_to_all(silent)
             if self._deferred:
                 self._deferred = False
                 self._afterwards()

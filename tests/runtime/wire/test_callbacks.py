@@ -187,6 +187,33 @@ def test_what_comes_afterwards_is_the_loop_s_and_nothing_waits_for_it(
     assert not thread.is_alive()
 
 
+def test_what_came_during_a_reaction_does_not_wait_for_what_comes_afterwards(
+    pair: Pair, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(callbacks, "_SHORT", DEADLINE)
+    counts: list[int] = []
+    released = threading.Event()
+
+    def react(samples: Sequence[Sample], _: float) -> None:
+        if not counts:  # the first one, by the loop: see `TimeBudget`
+            wait_for(lambda: bool(on_sample._waiting), "one more to come")
+            on_sample.defer()
+        counts.append(len(samples))
+
+    def afterwards() -> None:
+        released.wait(DEADLINE)
+
+    on_sample = pair.there.on_sample(KEY, react, afterwards=afterwards)
+    thread = begin(on_sample)
+    pair.sends_until(lambda: bool(counts), "the first reaction")
+    try:
+        pair.sends_until(lambda: sum(counts) > 20, "more reactions")
+    finally:
+        released.set()
+    pair.there.close()
+    thread.join(5.0)
+
+
 def test_nothing_is_reacted_to_before_the_loop_runs(pair: Pair) -> None:
     ring = pair.there.ring(KEY)
     threads: list[int] = []
