@@ -62,7 +62,7 @@ class Connections:
     def look(self, now: float) -> None:
         """Look after all connections; call it now and then, as Zenoh connects at any time.
 
-        It takes 0.1 ms.
+        It takes 0.1 to 0.2 ms with ten connections.
 
         Args:
             now: Monotonic time [s].
