@@ -1,8 +1,11 @@
 """The threads that do Zenoh's work and its TCP connections, as far as it has no settings."""
 
+import fcntl
 import os
 import socket
 import struct
+import sys
+import termios
 from collections.abc import Collection, Mapping
 from contextlib import suppress
 
@@ -17,7 +20,8 @@ _ONE_THREAD = (
     "app: (handover: net), acc: (handover: net), tx: (handover: net), rx: (handover: net))"
 )
 _NO_LINGER = struct.pack("ii", 0, 0)
-_FIRST = 64  # bytes: several messages of Zenoh, which numbers them
+_FIRST = 64  # bytes that are compared
+_Waiting = tuple[bytes, int, float]  # the first bytes, how many there are, and since when [s]
 
 
 def provide_threads(remote_peers: int) -> None:
@@ -57,7 +61,7 @@ class Connections:
 
     def __init__(self, dialled: Collection[int]) -> None:
         self._dialled = frozenset(dialled)
-        self._waiting: dict[int, tuple[bytes, float]] = {}  # first bytes unread, and since when
+        self._waiting: dict[int, _Waiting] = {}
 
     def look(self, now: float) -> None:
         """Look after all connections; call it now and then, as Zenoh connects at any time.
@@ -80,18 +84,21 @@ class Connections:
                 finally:
                     connection.detach()
 
-    def _check(
-        self, connection: socket.socket, before: Mapping[int, tuple[bytes, float]], now: float
-    ) -> None:
-        """Shut down a connection of which nothing has been read for long."""
+    def _check(self, connection: socket.socket, before: Mapping[int, _Waiting], now: float) -> None:
+        """Shut down a connection of which nothing has been read for long, while more came.
+
+        Keep-alives are all alike, so that the first bytes alone do not tell: there have to be more.
+        """
         first = connection.recv(_FIRST, socket.MSG_PEEK | socket.MSG_DONTWAIT)
         number = os.fstat(connection.fileno()).st_ino  # file descriptors are used again
-        was, since = before.get(number, (b"", now))
-        if not was or not first.startswith(was):
+        unread = fcntl.ioctl(connection.fileno(), termios.FIONREAD, bytes(4))
+        count = int.from_bytes(unread, sys.byteorder)
+        was, fewer, since = before.get(number, (b"", 0, now))
+        if not was or not first.startswith(was) or count <= fewer:
             since = now
         elif now >= since + self.UNREAD:
             connection.shutdown(socket.SHUT_RDWR)
-        self._waiting[number] = first, since
+        self._waiting[number] = first, count, since
 
 
 def _disable_linger(connection: socket.socket) -> None:

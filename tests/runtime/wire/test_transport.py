@@ -127,6 +127,7 @@ def test_a_dialled_connection_that_nobody_reads_is_closed(pair: Pair) -> None:
     pair.send(b", and then more")
     connections.look(6.0 + 0.9 * Connections.UNREAD)
     assert pair.is_open()
+    pair.send(b", and more")
     connections.look(6.0 + Connections.UNREAD)
     assert not pair.is_open()
 
@@ -143,11 +144,21 @@ def test_one_that_is_read_late_but_read_is_not(pair: Pair) -> None:
     assert pair.is_open()
 
 
+def test_nor_one_whose_messages_are_all_alike(pair: Pair) -> None:
+    connections = Connections([pair.port])
+    for turn in range(10):
+        pair.send(b"alive")
+        connections.look(float(turn))
+        pair.dialled.recv(5)
+    assert pair.is_open()
+
+
 def test_nor_one_to_another_port_which_is_not_zenohs(pair: Pair) -> None:
     connections = Connections([pair.port + 1])
     pair.send(b"first")
     for now in (1.0, 2.0, 9.0):
         connections.look(now)
+        pair.send(b", and more")
     assert pair.is_open()
 
 
