@@ -116,6 +116,7 @@ class Launcher:
     def _loop(self, refusals: ConnectionLog | None) -> str:
         """React to what is seen until the run ends; return why, if it is not interrupted."""
         of, journal, next_frame = self._deployment, self._journal, 0.0
+        why = "all its processes have ended"
         schedule = Schedule(filter(self._is_ours, of.chaos))
         injector = FaultInjector(
             of, self._control, journal, lambda t: start_successor(self._run, t), self._network
@@ -138,11 +139,11 @@ class Launcher:
                 if refusals is not None:
                     refusals.look()
             if end := self._watcher.clock.end(of, now):
-                journal.check_left(schedule.left)
-                return end[0]
+                why = end[0]
+                break
         if self._shutdown.reason is None:
             journal.check_left(schedule.left)
-        return "all its processes have ended"
+        return why
 
     def _show_page(self) -> None:
         """Show people where they can drive the robot, once that is known."""

@@ -138,7 +138,7 @@ class Process(Context):
         while not self.ending.wait(pause):
             pause = _CHECK
             now = time.monotonic()
-            self.bus.check_connections(now)
+            self.bus.connections.look(now)
             if isinstance(self.clock, BusClock):
                 self.t = self.clock.look(now)
             if self.role != topics.PLANT and (end := self.clock.end(self.deployment, now)):

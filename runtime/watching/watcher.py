@@ -116,7 +116,7 @@ class Watcher(ProcessWatcher):
         now = time.monotonic()
         if now >= self._checked + _CHECK:  # a host that is cut off would keep it from all others
             self._checked = now
-            self._bus.check_connections(now)
+            self._bus.connections.look(now)
         for ring, source in self._inputs:
             for arrival in ring.waiting(_AT_ONCE):
                 source.accept(arrival.data, now)

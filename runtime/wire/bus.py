@@ -121,6 +121,9 @@ class Bus(AbstractContextManager["Bus"]):
         place: Where it listens, and to whom it connects.
         incarnation: The random number of this process.
         credentials: Its certificate, on a robot with `security`.
+
+    Attributes:
+        connections: To be looked at about four times a second, by whoever stays.
     """
 
     def __init__(
@@ -137,7 +140,7 @@ class Bus(AbstractContextManager["Bus"]):
             self._session = zenoh.open(config(robot, place, credentials))
         except zenoh.ZError as error:
             raise BusError(_why(robot, role, place, str(error))) from None
-        self._connections = Connections(place.dialled_ports)
+        self.connections = Connections(place.dialled_ports)
         self._asked = -math.inf  # when the last query came [s, monotonic]
 
     def __exit__(self, *_: object) -> None:
@@ -153,10 +156,6 @@ class Bus(AbstractContextManager["Bus"]):
     def _close_session(self) -> None:
         with suppress(zenoh.ZError):  # it gives closing up, after some 10 s
             self._session.close()  # type: ignore[no-untyped-call]
-
-    def check_connections(self, now: float) -> None:
-        """Do with connections what Zenoh leaves undone, see `Connections`; about every 0.25 s."""
-        self._connections.look(now)
 
     def publisher(self, key: str, topic: Topic | None = None) -> Publisher:
         """Return what publishes on one key, as its `topic` says: by default the standard one."""

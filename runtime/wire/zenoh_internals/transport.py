@@ -6,7 +6,7 @@ import socket
 import struct
 import sys
 import termios
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import suppress
 
 from runtime.wire.zenoh_internals.features import Internal, uses
@@ -73,16 +73,12 @@ class Connections:
         """
         linger, unread = uses(Internal.LINGER), uses(Internal.UNREAD)
         before, self._waiting = self._waiting, {}
-        for name in os.listdir("/dev/fd") if linger or unread else ():
-            with suppress(OSError):  # it is not a connection, or closed by now
-                connection = socket.socket(socket.AF_INET, socket.SOCK_STREAM, fileno=int(name))
-                try:
-                    if linger:
-                        _disable_linger(connection)
-                    if unread and _dialled_port(connection) in self._dialled:
-                        self._check(connection, before, now)
-                finally:
-                    connection.detach()
+        for connection in sockets() if linger or unread else ():
+            with suppress(OSError):  # it is closed by now, or nothing of it is unread
+                if linger:
+                    _disable_linger(connection)
+                if unread and _dialled_port(connection) in self._dialled:
+                    self._check(connection, before, now)
 
     def _check(self, connection: socket.socket, before: Mapping[int, _Waiting], now: float) -> None:
         """Shut down a connection of which nothing has been read for long, while more came.
@@ -99,6 +95,17 @@ class Connections:
         elif now >= since + self.UNREAD:
             connection.shutdown(socket.SHUT_RDWR)
         self._waiting[number] = first, count, since
+
+
+def sockets() -> Iterator[socket.socket]:
+    """Yield all sockets of this process, each to be used until the next one."""
+    for name in os.listdir("/dev/fd"):
+        with suppress(OSError):  # it is no socket, or closed by now
+            one = socket.socket(socket.AF_INET, socket.SOCK_STREAM, fileno=int(name))
+            try:
+                yield one
+            finally:
+                one.detach()
 
 
 def _disable_linger(connection: socket.socket) -> None:
