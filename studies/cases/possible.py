@@ -9,11 +9,13 @@ from dataclasses import replace
 import numpy as np
 
 from agents.agent import Array
+from agents.bends import CORNER
 from plant.robot import Robot
 from studies.batch_faults import BatchFaults
-from studies.cases.goals import Goals, rows
+from studies.cases.goals import Goals, Rows, rows
 from studies.cases.kind import Kind, play, team
 from studies.feasible_plans import Since, earliest
+from studies.lockstep import Trace
 from studies.mobile import ARPH
 from studies.mobile_reach import Bools
 
@@ -48,12 +50,43 @@ def possible(kind: Kind, spare: float = SPARE) -> Bools:
         for pattern in np.unique(free[broken], axis=0):
             which = np.nonzero(broken & (free == pattern).all(axis=1))[0]
             for some in np.array_split(which, -(-len(which) // AT_ONCE)):
-                start = Since(float(since), q[some, :3], base[some] / [kind.size, kind.size, 1.0])
-                goals = _smaller(rows(kind.goals, some), kind.size)
-                robot = slower(kind.robot, kind.size)
-                when = earliest(robot, locks[some], goals, start, kind.duration)
-                answer[some] = when <= last
+                start = Since(float(since), q[some, :3], base[some])
+                answer[some] = _earliest(kind, some, locks[some], start) <= last
     return answer
+
+
+def answerable(kind: Kind, trace: Trace, which: Bools) -> Bools:
+    """Return for which cases (B,) a planner finds a motion that knows of no corner before it comes.
+
+    It plans from where a run had brought the robot when its goal last began or ceased to move, or
+    turned by more than `CORNER`, and has to be on the path when the error begins to count. Cases
+    without a corner after their faults can be answered.
+
+    Args:
+        kind: The cases; joints may be locked, and none is dead.
+        trace: Of the run.
+        which: (B,) those of broken arms to plan for; the others count as answerable.
+    """
+    answer = np.ones(len(kind), dtype=bool)
+    going = np.stack([np.broadcast_to(kind.goals(float(t))[1], (len(kind), 3)) for t in trace.t])
+    speed = np.linalg.norm(going, axis=-1)
+    along = (going[1:] * going[:-1]).sum(axis=-1)
+    corners = along < np.cos(CORNER) * speed[1:] * speed[:-1]
+    corners |= (speed[1:] > 0) != (speed[:-1] > 0)
+    corners &= trace.t[1:, None] > kind.each.since
+    for row in np.flatnonzero(which & corners.any(axis=0)):
+        tick, some = 1 + int(np.flatnonzero(corners[:, row])[-1]), np.array([row])
+        start = Since(float(trace.t[tick]), trace.q[tick, some, :3], trace.base[tick, some])
+        when = _earliest(kind, some, kind.locks[some], start)
+        answer[row] = when[0] <= kind.duration - kind.judged
+    return answer
+
+
+def _earliest(kind: Kind, some: Rows, locks: Array, start: Since) -> Array:
+    """Return when cases `some` (C,) are on their paths to stay [s], see `earliest`."""
+    start = start._replace(base=start.base / [kind.size, kind.size, 1.0])
+    goals = _smaller(rows(kind.goals, some), kind.size)
+    return earliest(slower(kind.robot, kind.size), locks, goals, start, kind.duration)
 
 
 def slower(robot: Robot, size: float) -> Robot:

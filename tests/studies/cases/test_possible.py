@@ -2,8 +2,8 @@ import numpy as np
 
 from studies.cases import goals
 from studies.cases.drawn import scaled
-from studies.cases.kind import MID, locked
-from studies.cases.possible import possible
+from studies.cases.kind import MID, locked, play, team
+from studies.cases.possible import answerable, possible
 from studies.mobile import ARPH, HAND, VELOCITY
 
 FREE = np.nan
@@ -41,3 +41,15 @@ def test_a_joint_whose_agent_is_killed_counts_as_locked_where_it_is() -> None:
     kind.each.strength[0, 1:3] = 0.0  # the height is lost
     kind.each.strength[1, 0] = 0.0
     assert possible(kind).tolist() == [False, True]
+
+
+def test_a_corner_can_be_answered_if_there_is_time_to_turn_after_it() -> None:
+    locks = np.tile(LOCKS[1], (3, 1))
+    there = HAND + np.array([[[1.0, 0.0, 0.0], [0.0, 0.0, 0.0]]])
+    back = goals.waypoints(HAND, np.tile(there, (3, 1, 1)), np.full(3, 0.07), 0.0)
+    kind = locked("there and back", locks, 0.0, back, 16.0)  # it turns after 14.3 s
+    trace, which = play(kind, {}), np.array([True, False, True])
+    kind.each.since[2] = 15.0  # its lock is found out after the corner
+    assert answerable(kind, trace, which).tolist() == [False, True, True]
+    longer = locked("there and back", locks, 0.0, back, 26.0)
+    assert answerable(longer, play(longer, team()), which).all()
