@@ -252,7 +252,7 @@ class PlatformAgent(Agent):
             zero = np.zeros(held.shape)
             past = t, hand, Way.begun(*where), np.zeros(1), zero, zero
             old = Memory(*past, None, None)  # type: ignore[arg-type]
-        end, share = self._planner.times, self._share(elapsed)
+        end = self._planner.times
         # the goal goes on, on a circle if its way has bent
         way = old.way.on(*where, elapsed, self._fades)
         going, bend = way.course()
@@ -285,7 +285,11 @@ class PlatformAgent(Agent):
         if goal.angular_velocity is not None:
             moves |= goal.moves(t) & (goal.angular_velocity != 0).any(axis=-1)
         content = moves * (1 - whole / (CONTENT * self._length)).clip(0.0, 1.0)
-        ease = old.ease + share * (content * self._comfort(held, hand[..., 2]) - old.ease)
+        comfort = content * self._comfort(held, hand[..., 2])
+        # as an arm gives way, the heading that tows changes: not sooner than that is taken up
+        tows = np.where(going == 0, 0.0, -held.real / np.maximum(np.abs(going), 1e-9))
+        eases = -np.expm1(-elapsed / np.maximum(self._fades, tows))
+        ease = old.ease + eases * (comfort - old.ease)
         wanted = goal_then + ease[..., None]
         # it waits in vain: in the end a detour, which may turn the hand, is better than that
         off, idle = np.abs(target - held), (np.abs(own.speed) < QUIET).all(axis=-1)
