@@ -59,8 +59,8 @@ def answerable(kind: Kind, trace: Trace, which: Bools) -> Bools:
     """Return for which cases (B,) a planner finds a motion that knows of no corner before it comes.
 
     It plans from where a run had brought the robot when its goal last began or ceased to move, or
-    turned by more than `CORNER`, and has to be on the path when the error begins to count. Cases
-    without a corner after their faults can be answered.
+    turned by more than `CORNER`. It has to be on the path when the error begins to count, and 2 s
+    before the end (see `earliest`). Cases without a corner after their faults can be answered.
 
     Args:
         kind: The cases; joints may be locked, and none is dead.
