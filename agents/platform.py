@@ -29,8 +29,8 @@ SOON = 0.12
 joints are seen to move. Chosen: 0.4 s with ARPH."""
 FADES = 0.4
 """[L / v_max] Time constant with which the arm's own motion is expected to end; also over which
-the drive's strength is learned and comfort is sought. Chosen: 1.3 s with ARPH, longer than
-an arm takes to settle."""
+the drive's strength is learned, and comfort is taken up at the soonest. Chosen: 1.3 s with ARPH,
+longer than an arm takes to settle."""
 STILL = 0.003
 """[top speed] Motion that counts as none. Chosen: below 1 mm/s and 0.2 deg/s with ARPH."""
 SWINGS = 0.05

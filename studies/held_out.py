@@ -101,7 +101,7 @@ class HeldOut(Study[HeldOutFound]):
                 "a posture of the broken arm. In brackets the 95 % interval (Wilson).",
                 f"That planner knows the goal's way before it is told. Of the cases missed, {late} "
                 "cannot be done by one that learns of the way's last corner when it comes, from "
-                f"where the run had brought the robot: of all others "
+                "where the run had brought the robot: of all others "
                 f"{interval(total[0], total[1] - late)} go well.",
                 "Locks: `one` or `two` of joints 1 to 3, at any angle, from the start or at 8 s. "
                 "Goals: 0.25 to 1.5 times as fast as in Table 1, in any direction. Other size: all "
