@@ -102,12 +102,11 @@ class LineByEye:
 
     WINDOW = 0.05
     """[s] Least time between two decisions. Chosen: a hand takes that long to answer."""
-    LAGS = 0.0, 0.5, 1.0, 1.5, 2.0, 2.5
-    """[windows] By which the eye may be late. Chosen: a grid up to an eighth of a second."""
+    LAGS = 6
+    """[1] Of half a window each, from none on, by which the eye may be late. Chosen: up to an
+    eighth of a second."""
     FURTHER = 1.2
     """[horizons] That it looks ahead. Searched: what it sees is rougher than what a model tells."""
-    LATE = 0.7
-    """[1] Share of the eye's lag by which it looks further ahead still. Searched."""
     GAIN = 0.22
     """[1] b, share of the turn asked for that it makes. Searched: all the others answer too."""
     CAUTION = 0.22
@@ -118,13 +117,9 @@ class LineByEye:
     """[rad/s] Largest speed of the move by chance. Chosen by hand."""
     MOST = 0.57
     """[1] Share of its top speed. Searched: it learns as fast as its column changes."""
-    HASTE = 0.84
-    """[1] Share of the turn that closes the distance, made within H, at most. Searched."""
     UNSEEN = 1.6
     """[reaches/rad] Of its own turning, that counts as the hand's way where turns are not seen.
     Chosen by hand."""
-    LEAD = 1.0
-    """[s] Of a moving goal's way, that counts as distance to it. Chosen by hand."""
 
     def __init__(self, body: Body, *, horizon: float, memory: float, top_speed: float) -> None:
         """Look `horizon` [s] ahead and further, and never turn faster than `top_speed` [rad/s].
@@ -141,7 +136,7 @@ class LineByEye:
         self._begin(0.0, None)
 
     def _begin(self, lever: float, known: Array | None) -> None:
-        lags = np.array(self.LAGS) * self._window
+        lags = np.linspace(0.0, 0.5 * self._window * (self.LAGS - 1), self.LAGS)
         self._eye, self._motion = SteadyEye(), OwnMotion(lags)
         self._lengths = Lengths(lever, self._reach)
         self._own = OwnColumn(lags, 3 + 3 if lever else 3, known)
@@ -221,7 +216,7 @@ class LineByEye:
         missing: (..., D) from the hand to the goal; goes: (..., D) the goal's velocity [1/s]
         """
         column, eye = self._own.column, self._eye
-        ahead = self._horizon + self.LATE * column.lag
+        ahead = self._horizon + column.lag
         pace = _length(goes)
         content = self._content.after(elapsed, missing, eye.trembling, pace > 0)
         self._awake = np.where(content, 0.0, 1.0)
@@ -234,8 +229,8 @@ class LineByEye:
             kept = np.exp(-elapsed / (self._memory * eye.trust**2))
             steady = steady + kept * self._steady
         chance = np.minimum(self.DITHER * _length(missing) / lever / elapsed, self.MOST_DITHER)
-        far = _length(missing) + self.LEAD * pace
-        most = np.minimum(self.MOST * self._top_speed, self.HASTE * far / lever / self._horizon)
+        far = _length(missing) + ahead * pace
+        most = np.minimum(self.MOST * self._top_speed, far / lever / self._horizon)
         most = np.minimum(most, self._top_speed - chance)
         self._steady = self._awake * np.minimum(np.maximum(steady, -most), most)
         self._chance = self._awake * chance * self._next_way(chance.shape)

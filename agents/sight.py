@@ -8,6 +8,7 @@ import numpy.typing as npt
 from agents.agent import Array, Body, Percepts
 from agents.markers import Quaternion, turn_of
 from agents.number import MANY, Number, Vector, components, namespace_of
+from agents.watching import SteadyEye
 from plant.kinematics import ArmPose, kinematics_of
 
 Perception = Literal["auto", "blackboard", "localiser"]
@@ -64,12 +65,18 @@ class Sight:
     `blackboard`: all joint values and the forward model. `localiser`: an external eye, no model.
     `auto`: the blackboard as long as it is there and explains what the eye sees; the eye when it
     is not or does not. What is compared is where the hand is said to be: nothing asks what works.
+    How much an eye trembles follows from what was seen: independent errors make the differences
+    of successive sights fall back by half each time (autocovariances 2, -1 times their variance),
+    motion does not.
     """
 
     LASTING = 0.5
     """[s] Over which differences are averaged. Chosen: ten decisions by the eye."""
     SAME = 0.002
     """[m] A lasting difference up to which the two tell the same. Chosen by hand."""
+    LATE = 0.2
+    """[1] Of the way in `LASTING`, which an eye that is late may not have seen yet. Chosen: by
+    a tenth of a second, as a camera is."""
     SPREADS = 4.0
     """[1] Standard deviations of the average that may be chance, on top. Chosen: one in 16 000."""
 
@@ -82,8 +89,11 @@ class Sight:
         self.sees = frozenset(
             {"blackboard": by_model, "localiser": {"hand"}, "auto": by_model | {"hand"}}[perception]
         )
-        self._difference: Vector = 0.0, 0.0, 0.0
-        self._spread: Number = 0.0
+        self._difference: Vector = 0.0, 0.0, 0.0  # its mean
+        self._last: Vector = 0.0, 0.0, 0.0  # and as it was last, and how it changed then
+        self._step: Vector = 0.0, 0.0, 0.0
+        self._fall: Number = 0.0  # mean product of successive changes
+        self._tip: Vector | None = None  # its mean, by the model
         self._t: float | None = None
 
     def see(self, percepts: Percepts) -> View | None:
@@ -108,14 +118,31 @@ class Sight:
         elapsed = 0.0 if self._t is None else min(max(t - self._t, 0.0), self.LASTING)
         self._t = t
         share = elapsed / self.LASTING
-        (eye_x, eye_y, eye_z), (x, y, z) = components(eye), arm.tip_parts
-        before_x, before_y, before_z = self._difference
-        more_x, more_y, more_z = eye_x - x - before_x, eye_y - y - before_y, eye_z - z - before_z
-        x, y, z = before_x + share * more_x, before_y + share * more_y, before_z + share * more_z
-        self._difference = x, y, z
-        surprise = more_x * more_x + more_y * more_y + more_z * more_z
-        self._spread = (1 - share) * (self._spread + share * surprise)
-        sqrt = namespace_of(eye).sqrt
-        chance = self.SPREADS * sqrt(self._spread * share / (2 - share))
-        agree: npt.NDArray[np.bool_] | bool = sqrt(x * x + y * y + z * z) < self.SAME + chance
+        tip, kept = arm.tip_parts, SteadyEye.PATIENCE
+        difference = _minus(components(eye), tip)
+        step = _minus(difference, self._last)
+        self._fall = kept * self._fall + (1.0 - kept) * _dot(step, self._step)
+        self._last, self._step = difference, step
+        way = _minus(tip, self._tip or tip)
+        self._tip = _between(self._tip or tip, tip, share)
+        off = self._difference = _between(self._difference, difference, share)
+        xp = namespace_of(eye)
+        chance = self.SPREADS * xp.sqrt(xp.maximum(-self._fall, 0.0) * share / (2 - share))
+        most = self.SAME + chance + self.LATE * xp.sqrt(_dot(way, way))
+        agree: npt.NDArray[np.bool_] | bool = xp.sqrt(_dot(off, off)) < most
         return agree
+
+
+def _minus(one: Vector, other: Vector) -> Vector:
+    (x, y, z), (a, b, c) = one, other
+    return x - a, y - b, z - c
+
+
+def _between(one: Vector, other: Vector, share: float) -> Vector:
+    (x, y, z), (a, b, c) = one, other
+    return x + share * (a - x), y + share * (b - y), z + share * (c - z)
+
+
+def _dot(one: Vector, other: Vector) -> Number:
+    (x, y, z), (a, b, c) = one, other
+    return x * a + y * b + z * c

@@ -28,10 +28,6 @@ class SteadyEye:
     """[1] Share kept of what is known of the trembling at each sight. Chosen: a mean of 20."""
     CHANCE = 0.03
     """[1] Of the differences' variance, that may look like trembling by chance. Searched."""
-    STILL = 30.0
-    """[1] Motion per trembling above which the eye is believed outright. Chosen: trust is 0.997."""
-    LEAST = 0.1
-    """[1] Share of a surprise that is always believed. Chosen: it is the mean of some 10."""
 
     def __init__(self) -> None:
         """Have seen nothing yet."""
@@ -74,8 +70,8 @@ class SteadyEye:
         trembling = np.maximum(-self._fall / 4.0 - self.CHANCE * self._spread, tiny)
         moving = np.maximum(self._spread - 6.0 * trembling, 1e-3 * self._spread) + tiny
         index = np.sqrt(moving / trembling)
-        root = (4.0 + index - np.sqrt(8.0 * index + index * index)) / 4.0
-        trust: Array = np.where(index > self.STILL, 1.0, np.maximum(1.0 - root * root, self.LEAST))
+        root = 4.0 / (4.0 + index + np.sqrt(8.0 * index + index * index))
+        trust: Array = 1.0 - root * root
         return trust
 
 
@@ -164,8 +160,6 @@ class OwnColumn:
     """[reaches/s] Of the hand's velocity that may be others' doing, at first. Chosen by hand."""
     PATIENCE = 0.9
     """[1] Share kept of the estimate of that noise at each sight. Searched."""
-    FLOOR = 1e-10
-    """[reaches2/s2] Of that noise squared, so that a perfectly still hand divides by something."""
     PROMPT = 13.0
     """[1/s] By which a late answer is less likely than a prompt one, at first. Searched."""
     TELLING = 3.0
@@ -220,7 +214,7 @@ class OwnColumn:
         evidence -= self.WEIGHT * (np.log(foretold) + tails)
         self._evidence = np.where(elapsed > 0, evidence, self._evidence)
         noise = self.PATIENCE * self._noise + (1.0 - self.PATIENCE) * seen
-        self._noise = np.maximum(noise, self.FLOOR)
+        self._noise = np.maximum(noise, 1e-12)
         weight = variance * telling / (variance * telling**2 + self._noise)
         self._way = self._way + weight[..., None] * surprise
         self._variance = variance * (1.0 - weight * telling)
