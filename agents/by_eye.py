@@ -103,8 +103,8 @@ class LineByEye:
     WINDOW = 0.05
     """[s] Least time between two decisions. Chosen: a hand takes that long to answer."""
     LAGS = 6
-    """[1] Of half a window each, from none on, by which the eye may be late. Chosen: up to an
-    eighth of a second."""
+    """[1] Lags that the eye may have: none, half a window and so on. Chosen: up to an eighth of a
+    second."""
     FURTHER = 1.2
     """[horizons] That it looks ahead. Searched: what it sees is rougher than what a model tells."""
     GAIN = 0.22

@@ -123,8 +123,8 @@ class Sight:
         step = _minus(difference, self._last)
         self._fall = kept * self._fall + (1.0 - kept) * _dot(step, self._step)
         self._last, self._step = difference, step
-        way = _minus(tip, self._tip or tip)
-        self._tip = _between(self._tip or tip, tip, share)
+        mean = self._tip or tip
+        way, self._tip = _minus(tip, mean), _between(mean, tip, share)
         off = self._difference = _between(self._difference, difference, share)
         xp = namespace_of(eye)
         chance = self.SPREADS * xp.sqrt(xp.maximum(-self._fall, 0.0) * share / (2 - share))

@@ -66,7 +66,7 @@ class SteadyEye:
         self.velocity = self.velocity + follow[..., None] * surprise / elapsed
 
     def _trust(self) -> Array:
-        tiny = 1e-20
+        tiny = 1e-28  # more than rounding makes of it
         trembling = np.maximum(-self._fall / 4.0 - self.CHANCE * self._spread, tiny)
         moving = np.maximum(self._spread - 6.0 * trembling, 1e-3 * self._spread) + tiny
         index = np.sqrt(moving / trembling)
@@ -208,7 +208,7 @@ class OwnColumn:
         telling = chance + trust**self.TELLING * (speed - chance)
         surprise = velocity - self._way * speed[..., None]
         seen = (surprise * surprise).sum(axis=-1) / surprise.shape[-1]
-        foretold = np.maximum(variance * telling**2 + self._noise, 1e-12)
+        foretold = variance * telling**2 + self._noise
         evidence = self.LASTING * self._evidence
         tails = self.TAILS * np.log1p(seen / (self.TAILS * foretold))
         evidence -= self.WEIGHT * (np.log(foretold) + tails)
