@@ -10,6 +10,7 @@ from agents.markers import (
     LEVER,
     aim_at,
     cost,
+    moved,
     moved_by,
     place_at,
     reach_of,
@@ -125,7 +126,8 @@ class LineByModel:
         if not moves:
             off = arm.tip_parts, hand and turn_against(xp, hand, aim)
             missing = xp.sqrt(cost(off, aim.place, self._lever2))
-            kick = self._kicks.watched(xp, last.kick, _standing(goal), t, missing, base)
+            moving = xp.sqrt(moved(goes, turns, self._lever2))
+            kick = self._kicks.watched(xp, last.kick, _standing(goal), t, missing, moving, base)
         if kick is not None:
             step = xp.where(t < kick.until, kick.place - places[index], step)
         self._last = Last(t, base, seen, changes, kick)

@@ -257,6 +257,18 @@ def cost(off: Off, place: Vector, lever2: float) -> Number:
     return squared + 8.0 * lever2 * (x * x + y * y + z * z)
 
 
+def moved(way: Vector, turn: Vector, lever2: float) -> Number:
+    """Return C [m2] between a hand and itself after a small move.
+
+    Args:
+        way: (3) [m].
+        turn: (3) axis times angle [rad].
+        lever2: k [m2].
+    """
+    (x, y, z), (a, b, c) = way, turn
+    return x * x + y * y + z * z + 2.0 * lever2 * (a * a + b * b + c * c)
+
+
 def angle_off(xp: Namespace, hand: Quaternion, aim: Aim) -> Number:
     """Return by how much a hand is turned against its aim [rad], 0 to pi; 0 where that is free.
 

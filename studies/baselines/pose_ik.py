@@ -24,9 +24,20 @@ from typing import ClassVar
 
 import numpy as np
 
-from agents.agent import Array, Body, Percepts
+from agents.agent import Array, Body, Joints, Percepts
 from agents.kick import Kick, Kicks
-from agents.markers import LEVER, Aim, Off, aim_at, cost, reach_of, rotation_vector, turned_against
+from agents.markers import (
+    LEVER,
+    Aim,
+    Off,
+    aim_at,
+    cost,
+    moved,
+    moved_by,
+    reach_of,
+    rotation_vector,
+    turned_against,
+)
 from agents.number import components
 from agents.others import links_of
 from plant.kinematics import ArmPose, kinematics_of
@@ -101,7 +112,7 @@ class PoseController(CentralController):
         rests = np.zeros(distance.shape, dtype=bool) if moves else distance < ARRIVED
         velocity = self._velocity(q, base, arm, off, aim, rests)
         if not moves:
-            by_chance, speed = self._chance.moves(t, distance, q, base)
+            by_chance, speed = self._chance.moves(t, distance, arm, joints, base)
             if self._locked is not None:
                 by_chance &= ~self._locked
             velocity[..., :n] = np.where(by_chance, speed, velocity[..., :n])
@@ -202,21 +213,29 @@ class RandomMoves:
             for body, link in zip(bodies, links_of(bodies[0]), strict=True)
         ]
         self._kicks: list[Kick | None] = [None] * robot.n
+        self._slides, self._lever2 = [joint.slides for joint in robot.joints], (LEVER * reach) ** 2
         self._top = robot.max_speed
 
-    def moves(self, t: float, distance: Array, q: Array, base: Array | None) -> tuple[Bools, Array]:
+    def moves(
+        self, t: float, distance: Array, arm: ArmPose, joints: Joints, base: Array | None
+    ) -> tuple[Bools, Array]:
         """Return which joints (B, n) move by chance now, and their speeds [rad/s or m/s].
 
         Args:
             t: Plant time [s].
             distance: (B,) of hands and goals, the root of their cost [m].
-            q: (B, n) joint positions [rad or m].
+            arm: The arms.
+            joints: (B, n) their joints' positions and speeds.
             base: (B, 3) platform poses [m], [rad]; None of bolted arms.
         """
+        q, steps = joints.position, components(self.HORIZON * joints.velocity)
         place = None if base is None else components(base)
+        moving = np.sqrt(moved(*moved_by(arm, self._slides, steps, None, None), self._lever2))
         going, speeds = np.zeros(q.shape, dtype=bool), np.zeros(q.shape)
         for i, joint in enumerate(self._joints):
-            after = self._kicks[i] = joint.watched(np, self._kicks[i], b"", t, distance, place)
+            before = self._kicks[i]
+            after = joint.watched(np, before, b"", t, distance, moving, place)
+            self._kicks[i] = after
             going[..., i] = t < np.asarray(after.until)
             speeds[..., i] = (after.place - q[..., i]) / self.HORIZON
         return going, np.clip(speeds, -self._top, self._top)

@@ -18,5 +18,20 @@ def test_a_joint_moves_by_chance_unless_the_platform_carries_the_arm_on(body, wa
     for tick in range(200):
         t = 0.01 * tick
         base = tuple(speed * t if axis == way else 0.0 for axis in range(3))
-        kick = kicks.watched(ONE, kick, b"", t, 0.1, base)
+        kick = kicks.watched(ONE, kick, b"", t, 0.1, 0.0, base)
+    assert (kick.until > 0.0) is moves
+
+
+@pytest.mark.parametrize(("distance", "moving", "moves"), [
+    (0.05, 0.0, True), (0.05, 0.0005, True), (0.05, 0.005, False), (0.1, 0.01, True),
+    (0.001, 0.0, False),
+])  # fmt: skip
+def test_a_joint_moves_by_chance_where_a_hand_near_its_goal_is_at_rest(
+    body, distance, moving, moves
+):
+    """What moves a hand that near is another motor: to be made good, not to be got away from."""
+    robot = body(0)
+    kicks, kick = Kicks(robot, links_of(robot)[0], 1.0, HORIZON), None
+    for tick in range(1000):
+        kick = kicks.watched(ONE, kick, b"", 0.01 * tick, distance, moving, None)
     assert (kick.until > 0.0) is moves
