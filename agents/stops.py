@@ -10,17 +10,16 @@ class Stops:
 
     Pressed against a stop, a joint serves the hand no more, though it may well do so from the
     other side of its range: its best turn is a place on a circle, and there are two ways to it.
-    After a while without use it goes the other way, if that can bring the hand nearer, for as long
-    as the short way stays barred: a platform that comes along may open it meanwhile. To the
-    person beside the robot this is an arm that changes sides instead of pushing in vain.
+    So it goes the other way, at once if that can bring the hand nearer and after a while even if
+    not, for as long as the short way stays barred: a platform that comes along may open it
+    meanwhile. To the person beside the robot this is an arm that changes sides instead of pushing
+    in vain.
     """
 
     AT = np.deg2rad(1.0)
     """[rad] From a stop, within which a joint presses against it. Chosen by hand."""
     IN_VAIN = np.deg2rad(5.0)
     """[rad] Beyond a stop, that are worth a long way. Chosen by hand."""
-    NOTICE = 1.0
-    """[s] Of pressing before it goes the long way. Chosen by hand."""
     URGE = 0.3
     """[rad/s] That the other side may be worse for each second more. Chosen: 3 rad in 10 s."""
 
@@ -50,9 +49,9 @@ class Stops:
             self._since = np.inf
             return best
         self._since = xp.where(pressing, xp.minimum(self._since, t), np.inf)
-        vain = xp.maximum(t - self._since - self.NOTICE, 0.0)
+        vain = xp.where(pressing, t - self._since, 0.0)
         there = xp.maximum(2 * np.pi - size - (self._upper - self._lower), 0.0)
-        leaves = pressing & (vain > 0) & (there < beyond + self.URGE * vain)
+        leaves = pressing & (there < beyond + self.URGE * vain)
         way = xp.where(leaves, xp.where(best > 0, -1.0, 1.0), self._way)
         end_of_way = xp.where(way > 0, self._upper - angle, angle - self._lower)
         on_the_long_way = (way * best < 0) & (end_of_way > self.AT) & (beyond > 0)

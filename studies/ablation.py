@@ -69,7 +69,7 @@ TERMS = (
         {},
         joints=True,
     ),
-    Term("a joint leaves its stop the long way", ("agents.stops:Stops.NOTICE",), np.inf, True),
+    Term("a joint leaves its stop the long way", ("agents.stops:Stops.IN_VAIN",), np.inf, True),
     Term("a joint moves by chance", ("agents.kick:PATIENCE",), 1e9, True),
     Term("what is far on the level is left to the platform", ("agents.laws:NEAR",), 1e9),
 )
