@@ -75,9 +75,8 @@ class Kicks:
         """Move a joint of that body, whose arm has a reach [m] and decides for a horizon [s]."""
         self._body, self._horizon = body, horizon
         self._patience, self._reach = body.robot.n * horizon, reach
-        self._close, self._shaken, self._reached = (
-            share * reach for share in (CLOSE[0], SHAKEN, REACHED)
-        )
+        self._close, self._reached = CLOSE[0] * reach, REACHED * reach
+        self._shaken = SHAKEN * reach
         half = 0.5 * min(own.upper - own.lower, np.inf if own.slides else 2.0 * FULL_TURN)
         middle = min(max(0.0, own.lower + half), own.upper - half)
         self._bounds = middle - half, middle + half

@@ -49,9 +49,9 @@ class Stops:
             self._since = np.inf
             return best
         self._since = xp.where(pressing, xp.minimum(self._since, t), np.inf)
-        vain = xp.where(pressing, t - self._since, 0.0)
+        vain = t - self._since  # minus infinity where it does not press, which then never leaves
         there = xp.maximum(2 * np.pi - size - (self._upper - self._lower), 0.0)
-        leaves = pressing & (there < beyond + self.URGE * vain)
+        leaves = there < beyond + self.URGE * vain
         way = xp.where(leaves, xp.where(best > 0, -1.0, 1.0), self._way)
         end_of_way = xp.where(way > 0, self._upper - angle, angle - self._lower)
         on_the_long_way = (way * best < 0) & (end_of_way > self.AT) & (beyond > 0)

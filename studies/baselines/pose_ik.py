@@ -233,8 +233,7 @@ class RandomMoves:
         moving = np.sqrt(moved(*moved_by(arm, self._slides, steps, None, None), self._lever2))
         going, speeds = np.zeros(q.shape, dtype=bool), np.zeros(q.shape)
         for i, joint in enumerate(self._joints):
-            before = self._kicks[i]
-            after = joint.watched(np, before, b"", t, distance, moving, place)
+            after = joint.watched(np, self._kicks[i], b"", t, distance, moving, place)
             self._kicks[i] = after
             going[..., i] = t < np.asarray(after.until)
             speeds[..., i] = (after.place - q[..., i]) / self.HORIZON
