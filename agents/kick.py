@@ -3,9 +3,10 @@
 Each joint alone turning the best way can come to rest where none can do better by itself: pressed
 against a stop, straight with the goal on its line, wound the wrong way. So where the hand has not
 come nearer for a while, a joint goes to a place of its range by chance for a moment, and then does
-its best from there. Each decides alone and at a time of its own, and not while a platform carries
-the arm on, which may first have to lead away. The longer a goal has stood, the rarer, so that an
-arm does not move for ever after what cannot be reached.
+its best from there. Each decides alone, and not while a platform carries the arm on, which may
+first have to lead away. As all see the same hand and are as patient, most move at once, and the arm
+begins anew in another posture. The longer a goal has stood, the rarer, so that an arm does not move
+for ever after what cannot be reached.
 """
 
 from typing import NamedTuple
@@ -23,8 +24,10 @@ ANEW = 2.0
 """[1] times the least distance so far, or more, is another approach, as after another's move: else
 one of many joints would always be moving."""
 PATIENCE = 0.5
-"""[horizons] at most for each joint of the arm, without coming nearer, and half of that at least,
-by chance, so that an arm of many is not always moving: 1.7 times loses 2 to 9 of 100 (seed 1)."""
+"""[horizons] for each joint of the arm, without coming nearer: of 300 arms with a joint locked 252
+arrive, 240 with 0.7 of it and 249 with 1.5 times. Where each was as patient as chance had it, from
+half of that on, one joint's move was the next one's reason to move: of 240 chains of 5 joints whose
+commands act a period late 225 arrived, and 236 do (seeds 2 to 7)."""
 LASTS = 0.1, 0.25
 """[1] of the time that its range, or a full turn, takes it at top speed, by chance
 between, and a horizon at least: half or twice of it loses 2 to 10 of 100."""
@@ -52,7 +55,6 @@ class Kick(NamedTuple):
         stands: Since when [s].
         least: Distance of hand and goal that came last as nearer [m].
         since: When that was [s].
-        chance: From 0 to 1: how patient it is.
         until: When the move ends [s].
         place: Where it leads to [rad or m].
         base: x, y [m] and heading [rad] of the platform at `since`; None on a bolted arm.
@@ -62,7 +64,6 @@ class Kick(NamedTuple):
     stands: float
     least: Number
     since: Number
-    chance: Number
     until: Number
     place: Number
     base: Vector | None
@@ -74,7 +75,7 @@ class Kicks:
     def __init__(self, body: Body, own: Link, reach: float, horizon: float) -> None:
         """Move a joint of that body, whose arm has a reach [m] and decides for a horizon [s]."""
         self._body, self._horizon = body, horizon
-        self._patience, self._reach = body.robot.n * horizon, reach
+        self._patience, self._reach = PATIENCE * body.robot.n * horizon, reach
         self._close, self._reached = CLOSE[0] * reach, REACHED * reach
         self._shaken = SHAKEN * reach
         half = 0.5 * min(own.upper - own.lower, np.inf if own.slides else 2.0 * FULL_TURN)
@@ -105,8 +106,8 @@ class Kicks:
             base: x, y [m] and heading [rad] of the platform; None on a bolted arm.
         """
         if kick is None or kick.goal != goal:
-            kick = Kick(goal, t, np.inf, t, 0.5, -np.inf, 0.0, base)
-        _, stands, least, since, chance, until, place, before = kick
+            kick = Kick(goal, t, np.inf, t, -np.inf, 0.0, base)
+        _, stands, least, since, until, place, before = kick
         gets_on = (distance < NEARER * least) | (distance > ANEW * least)
         gets_on = gets_on | ((distance < self._shaken) & (moving > (1.0 - NEARER) * distance))
         if base is not None and before is not None:
@@ -116,17 +117,15 @@ class Kicks:
             x, y, turn = (xp.where(gets_on, *two) for two in zip(base, before, strict=True))
             before = x, y, turn
         least, since = xp.where(gets_on, distance, least), xp.where(gets_on, t, since)
-        patience = self._patience * PATIENCE * (0.5 + 0.5 * chance)
-        patience = patience * xp.where(distance < self._close, CLOSE[1], 1.0)
+        patience = self._patience * xp.where(distance < self._close, CLOSE[1], 1.0)
         patience = patience * max((t - stands) / (RARER * self._horizon), 1.0)
         goes = (t - since > patience) & (distance > self._reached)
         if xp.any(goes):
-            draws = self._body.rng.random((3, *np.shape(goes)))
-            one, two, three = draws if np.shape(goes) else draws.tolist()
-            lasts = (LASTS[0] + (LASTS[1] - LASTS[0]) * two) * self._span / self._speed
+            draws = self._body.rng.random((2, *np.shape(goes)))
+            one, two = draws if np.shape(goes) else draws.tolist()
+            lasts = (LASTS[0] + (LASTS[1] - LASTS[0]) * one) * self._span / self._speed
             until = xp.where(goes, t + xp.maximum(lasts, self._horizon), until)
             low, high = self._bounds
-            place = xp.where(goes, low + (high - low) * three, place)
-            chance = xp.where(goes, one, chance)
+            place = xp.where(goes, low + (high - low) * two, place)
             least, since = xp.where(goes, np.inf, least), xp.where(goes, until, since)
-        return Kick(goal, stands, least, since, chance, until, place, before)
+        return Kick(goal, stands, least, since, until, place, before)
