@@ -4,12 +4,14 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
+from bench.bench import BenchError
 from bench.echo.runner import Measurement, run
 from bench.machine import free_port
 from bench.ticks import PATIENCE
 from runtime.config.deployment import Deployment, load
 from runtime.config.overrides import Override
 from runtime.results.evaluation import SETTLING, errors
+from runtime.results.logs import read_log
 from runtime.results.run_log import read_run_log
 from runtime.wire import topics
 
@@ -51,6 +53,9 @@ def run_msma(deployment: Deployment, seconds: float, *, every_state: bool = Fals
         deployment: The deployment.
         seconds: Duration of the measurement [s].
         every_state: Let the agents decide on every state, without `Agent.rest`.
+
+    Raises:
+        BenchError: The measurement failed; the message has the reasons of processes that ended.
     """
     agents = {spec.role for spec in deployment.agents}
     with tempfile.TemporaryDirectory(prefix="msma-bench-") as name:
@@ -66,9 +71,18 @@ def run_msma(deployment: Deployment, seconds: float, *, every_state: bool = Fals
                 commands[role] = ["runtime.cli", "agent", str(file), role, "--run", name]
         if deployment.has_page:
             commands[VIEWER] = ["bench.page_viewer", name]
-        measured = run(commands, seconds, errors=said)
+        try:
+            measured = run(commands, seconds, errors=said)
+        except BenchError as error:  # the logs are gone after this
+            raise BenchError("\n".join([str(error), *_ends(folder, deployment)])) from None
         record = read_run_log(folder)
     assert deployment.goal is not None
     off = errors(record, deployment.goal.build())[:, 0]
     late = record.t >= min(SETTLING, record.t[-1] / 2)
     return MsmaRun(measured, float(off[late].max()))
+
+
+def _ends(folder: Path, deployment: Deployment) -> list[str]:
+    """Return why processes of a run have ended, as their logs say."""
+    found = [(role, line) for role in deployment.roles for line in read_log(folder, role, "end")]
+    return [f"{role} ended: {line['reason']}" for role, line in found]

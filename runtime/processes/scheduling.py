@@ -34,7 +34,7 @@ def confine_realtime() -> None:
     A thread that computes for long without any pause makes the system end the process by SIGXCPU.
     """
     for thread in _realtime_threads():
-        os.sched_setscheduler(thread, os.SCHED_RR | _RESET, os.sched_param(_LOWEST))
+        _schedule(thread, os.SCHED_RR, _LOWEST)
     with suppress(AttributeError, OSError, ValueError):  # a lower limit is set already
         hard = resource.getrlimit(resource.RLIMIT_RTTIME)[1]
         resource.setrlimit(resource.RLIMIT_RTTIME, (int(_STUCK * 1e6), hard))
@@ -43,7 +43,13 @@ def confine_realtime() -> None:
 def set_normal() -> None:
     """Give all threads of this process normal priority."""
     for thread in _realtime_threads():
-        os.sched_setscheduler(thread, os.SCHED_OTHER | _RESET, os.sched_param(0))
+        _schedule(thread, os.SCHED_OTHER, 0)
+
+
+def _schedule(thread: int, policy: int, priority: int) -> None:
+    """Set the policy of a thread, but not of those that it starts; it may have ended by now."""
+    with suppress(ProcessLookupError):
+        os.sched_setscheduler(thread, policy | _RESET, os.sched_param(priority))
 
 
 def _realtime_threads() -> Iterator[int]:

@@ -26,7 +26,7 @@ from bench.echo.workload import (
 from bench.loop import LoopBench, bars, work_tables
 from bench.loop_tables import BUSY, DECIDING, EVERY_STATE, OURS, PAGE_OPEN, PLAIN
 from bench.machine import busy_cores
-from bench.msma_runs import VIEWER
+from bench.msma_runs import ARPH, VIEWER, deployed, run_msma
 from bench.usage import Usage, cpu_seconds, is_alive
 from runtime.wire import topics
 from runtime.wire.messages import (
@@ -97,6 +97,12 @@ def test_all_systems_answer_and_are_measured(
     assert len(times.rows) == len(costs.rows) == 6
     (picture,) = bench.draw(result, tmp_path)
     assert picture.stat().st_size > 5000
+
+
+def test_a_run_that_fails_says_why_its_processes_ended() -> None:
+    deployment = deployed(ARPH, "robot=bench-loop-short", "duration=1 s")
+    with pytest.raises(BenchError, match="ended: the run is over"):
+        run_msma(deployment, 30.0)
 
 
 def children() -> list[int]:

@@ -123,6 +123,22 @@ subprocess.run([sys.executable, "-c", {child!r}])
     assert in_a_process(code).split() == [str(REALTIME), str(os.SCHED_OTHER)]
 
 
+def test_a_thread_that_ends_meanwhile_does_not_end_the_process() -> None:
+    # as Zenoh's do that wait for a connection; the watchdog would take it for a crash
+    code = """
+import threading
+from runtime.processes import scheduling
+ended = threading.Thread(target=lambda: None)
+ended.start()
+ended.join()
+scheduling._realtime_threads = lambda: [ended.native_id]
+scheduling.confine_realtime()
+scheduling.set_normal()
+print("goes on")
+"""
+    assert in_a_process(code) == "goes on"
+
+
 @granted
 def test_an_agent_that_never_pauses_loses_its_real_time_priority(processes: ProcessGroup) -> None:
     folder = processes.run.parent
