@@ -2,6 +2,7 @@
 
 import pytest
 
+from agents.agent import Body
 from agents.kick import Kicks
 from agents.number import ONE
 from agents.others import links_of
@@ -35,3 +36,20 @@ def test_a_joint_moves_by_chance_where_a_hand_near_its_goal_is_at_rest(
     for tick in range(1000):
         kick = kicks.watched(ONE, kick, b"", 0.01 * tick, distance, moving, None)
     assert (kick.until > 0.0) is moves
+
+
+def test_all_joints_that_see_the_same_hand_move_by_chance_at_once(arph):
+    """Else the move of one is the next one's reason to move, and they go on for seconds."""
+    moves = []
+    for number in range(3):
+        robot = Body(arph, number, 0.06, [7, number])
+        kicks, kick, since = Kicks(robot, links_of(robot)[number], 1.0, HORIZON), None, []
+        for tick in range(500):
+            before = kick
+            distance = 0.5 if tick % 150 < 100 else 0.5 - 0.01 * (tick % 150 - 100)
+            kick = kicks.watched(ONE, kick, b"", 0.01 * tick, distance, 0.0, None)
+            if before is not None and kick.until != before.until:
+                since.append(tick)
+        moves.append(since)
+    assert len(moves[0]) > 3
+    assert moves[0] == moves[1] == moves[2]
