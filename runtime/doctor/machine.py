@@ -106,7 +106,7 @@ def _scheduling() -> Finding:
     with ThreadPoolExecutor(1) as threads:  # it applies to the calling thread
         granted = threads.submit(set_realtime).result()
     realtime = "a robot's processes get real-time priority"
-    normal = "normal; for real-time priority add `USER - rtprio 1` to /etc/security/limits.conf"
+    normal = "normal; for real-time priority add `USER - rtprio 2` to /etc/security/limits.conf"
     return Finding(Grade.OK, "scheduling", realtime if granted else normal)
 
 

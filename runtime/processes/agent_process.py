@@ -14,6 +14,7 @@ from runtime.config.deployment import Deployment
 from runtime.processes.node import Context, Node
 from runtime.processes.perception import NEWEST, Perception
 from runtime.processes.process import Process
+from runtime.processes.scheduling import yield_to_answers
 from runtime.processes.timing import Backlog, Cadence, apart, freshness
 from runtime.wire import topics
 from runtime.wire.messages import GripperCommand, JointCommand, Message, PlatformCommand
@@ -109,6 +110,8 @@ class AgentNode(Node):
 
     def run(self, context: Context) -> None:
         """React to the plant until the bus is closed."""
+        if self._answers_first:
+            yield_to_answers()
         self._board.run()
 
     def _perceive(self, arrivals: Sequence[Sample], now: float) -> None:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 from pathlib import Path
 
-_LOWEST = 1  # of the real-time priorities: drivers and sound go before a robot's agents
+_ANSWERS, _DECIDES = 2, 1  # of the real-time priorities: drivers and sound go before agents
 _RESET = getattr(os, "SCHED_RESET_ON_FORK", 0)
 _LONG = 3.0  # [s] of use without a pause after which a process gives its priority up
 _PAUSE = 0.1  # share of a core that a process with real-time priority leaves free
@@ -19,13 +19,20 @@ def set_realtime() -> bool:
     """Give real-time priority to this thread and to those it starts; return whether granted.
 
     The policy is SCHED_RR: processes of a robot do not preempt each other, which would cost what
-    the caches hold. The system grants it to root and to users with an `rtprio` limit.
+    the caches hold, but for decisions that no answer waits for (`yield_to_answers`). The system
+    grants it to root and to users with an `rtprio` limit; where that is 1, all are equal.
     """
-    try:
-        os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(_LOWEST))
-    except (AttributeError, OSError):  # no such thing on this system, or not granted
-        return False
-    return True
+    for priority in _ANSWERS, _DECIDES:
+        with suppress(AttributeError, OSError):  # no such thing on this system, or not granted
+            os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(priority))
+            return True
+    return False
+
+
+def yield_to_answers() -> None:
+    """Let whatever answers the plant preempt this thread: to plan takes longer than to answer."""
+    if _realtime_priority(0):
+        _schedule(0, os.SCHED_RR, _DECIDES)
 
 
 def confine_realtime() -> None:
@@ -33,8 +40,8 @@ def confine_realtime() -> None:
 
     A thread that computes for long without any pause makes the system end the process by SIGXCPU.
     """
-    for thread in _realtime_threads():
-        _schedule(thread, os.SCHED_RR, _LOWEST)
+    for thread, priority in _realtime_threads():
+        _schedule(thread, os.SCHED_RR, priority)
     with suppress(AttributeError, OSError, ValueError):  # a lower limit is set already
         hard = resource.getrlimit(resource.RLIMIT_RTTIME)[1]
         resource.setrlimit(resource.RLIMIT_RTTIME, (int(_STUCK * 1e6), hard))
@@ -42,7 +49,7 @@ def confine_realtime() -> None:
 
 def set_normal() -> None:
     """Give all threads of this process normal priority."""
-    for thread in _realtime_threads():
+    for thread, _ in _realtime_threads():
         _schedule(thread, os.SCHED_OTHER, 0)
 
 
@@ -52,11 +59,19 @@ def _schedule(thread: int, policy: int, priority: int) -> None:
         os.sched_setscheduler(thread, policy | _RESET, os.sched_param(priority))
 
 
-def _realtime_threads() -> Iterator[int]:
+def _realtime_threads() -> Iterator[tuple[int, int]]:
+    """Yield each of this process's threads with real-time priority, and which it has."""
     for task in _TASKS.iterdir() if _TASKS.is_dir() else ():
-        with suppress(ProcessLookupError):
-            if os.sched_getscheduler(int(task.name)) & ~_RESET == os.SCHED_RR:
-                yield int(task.name)
+        if priority := _realtime_priority(int(task.name)):
+            yield int(task.name), priority
+
+
+def _realtime_priority(thread: int) -> int:
+    """Return the real-time priority of a thread; 0 if it has none, or has ended."""
+    with suppress(AttributeError, ProcessLookupError):
+        if os.sched_getscheduler(thread) & ~_RESET == os.SCHED_RR:
+            return os.sched_getparam(thread).sched_priority
+    return 0
 
 
 class Overload:

@@ -54,6 +54,12 @@ def policies(pid: int) -> list[int]:
     return [os.sched_getscheduler(thread) for thread in threads]
 
 
+def priorities(pid: int) -> list[int]:
+    """Return the real-time priority of each thread of a process, the main thread's first."""
+    threads = sorted(int(thread) for thread in os.listdir(f"/proc/{pid}/task"))
+    return [os.sched_getparam(thread).sched_priority for thread in threads]
+
+
 @granted
 def test_a_robots_processes_have_real_time_priority_where_it_is_granted(
     processes: ProcessGroup,
@@ -68,6 +74,18 @@ def test_a_robots_processes_have_real_time_priority_where_it_is_granted(
         assert found.count(REALTIME) > 2  # with the threads of the bus, and the watchdog
     (start,) = read_log(processes.run, "plant", "start")
     assert start["scheduling"] == "realtime"
+
+
+@granted
+def test_answers_go_before_decisions_that_none_waits_for(processes: ProcessGroup) -> None:
+    processes.options += [*AUTO, "--set", "period=2 ms"]  # a joint decides every 10 ms
+    processes.start("plant", "goal", "joint/2")
+    bus = processes.visit()
+    agent = processes.until(bus, "joint/2", lambda diag: diag.state == "runs", "it decides")
+    decides, *others = priorities(agent.pid)
+    plant = processes.until(bus, "plant", lambda diag: diag.state == "runs", "it runs")
+    assert 0 < decides < max(others)
+    assert priorities(plant.pid)[0] == max(others)
 
 
 @granted
@@ -123,6 +141,28 @@ subprocess.run([sys.executable, "-c", {child!r}])
     assert in_a_process(code).split() == [str(REALTIME), str(os.SCHED_OTHER)]
 
 
+@granted
+def test_priorities_of_a_kind_are_kept_and_a_limit_of_one_is_enough() -> None:
+    code = """
+from runtime.processes.scheduling import confine_realtime, yield_to_answers
+set_realtime()
+yield_to_answers()
+confine_realtime()
+print(os.sched_getparam(0).sched_priority, os.sched_getscheduler(0))
+"""
+    assert in_a_process(code).split() == ["1", str(REALTIME)]
+    limited = """
+grants = os.sched_setscheduler
+def limited(thread, policy, asked):
+    if asked.sched_priority > 1:
+        raise PermissionError
+    grants(thread, policy, asked)
+os.sched_setscheduler = limited
+print(set_realtime(), os.sched_getparam(0).sched_priority)
+"""
+    assert in_a_process(limited) == "True 1"
+
+
 def test_a_thread_that_ends_meanwhile_does_not_end_the_process() -> None:
     # as Zenoh's do that wait for a connection; the watchdog would take it for a crash
     code = """
@@ -131,7 +171,7 @@ from runtime.processes import scheduling
 ended = threading.Thread(target=lambda: None)
 ended.start()
 ended.join()
-scheduling._realtime_threads = lambda: [ended.native_id]
+scheduling._realtime_threads = lambda: [(ended.native_id, 1)]
 scheduling.confine_realtime()
 scheduling.set_normal()
 print("goes on")
