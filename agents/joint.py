@@ -24,22 +24,18 @@ class JointAgent(Agent):
         perception: Perception = "auto",
         horizon: Annotated[float, "s"] = 0.12,
         memory: Annotated[float, "s"] = 5.0,
-        bend: Annotated[float, "rad"] = 0.0,
     ) -> None:
         """Become the agent of one joint.
 
         perception: see `Sight`
         horizon: how far ahead it looks [s]; at least one and a half control periods
         memory: time in which a motion that nothing asks for dies [s]
-        bend: with a model: how far off straight it stays if it can [rad]
 
         Raises `AgentError` when a value is out of its range.
         """
         for name, value in (("horizon", horizon), ("memory", memory)):
             if not value > 0:
                 raise AgentError(f"{name}: {value:g} must be positive")
-        if not 0 <= bend <= np.pi / 2:
-            raise AgentError(f"bend: {np.degrees(bend):g} deg must be from 0 to 90 deg")
         self._joint = joint_of(body)
         self._top_speed = float(body.robot.max_speed[self._joint])
         self._sight = Sight(body, perception)
@@ -47,7 +43,7 @@ class JointAgent(Agent):
         self._may_fail = perception == "auto"  # the model, while there is something else to go by
         horizon = max(horizon, 1.5 * body.period)
         self.rest = REST * horizon
-        self._by_model = LineByModel(body, self._joint, horizon=horizon, memory=memory, bend=bend)
+        self._by_model = LineByModel(body, self._joint, horizon=horizon, memory=memory)
         self._by_eye = LineByEye(body, horizon=horizon, memory=memory, top_speed=self._top_speed)
 
     def decide(self, percepts: Percepts) -> Array | None:

@@ -65,14 +65,12 @@ class LineByModel:
     wind up.
     """
 
-    def __init__(
-        self, body: Body, joint: int, *, horizon: float, memory: float, bend: float
-    ) -> None:
+    def __init__(self, body: Body, joint: int, *, horizon: float, memory: float) -> None:
         """Move joint `joint` (from 0) of that body: see `JointAgent` for the rest."""
         self._joint, self._period = joint, body.period
         self._links = links_of(body)
         self._slides = [link.slides for link in self._links]
-        self._horizon, self._memory, self._bend = horizon, memory, bend
+        self._horizon, self._memory = horizon, memory
         reach, own = reach_of(body), self._links[joint]
         self._lever2, self._near = (LEVER * reach) ** 2, NEAR * reach
         self._stops = None if own.slides else Stops(own.lower, own.upper)
@@ -131,12 +129,8 @@ class LineByModel:
         if kick is not None:
             step = xp.where(t < kick.until, kick.place - places[index], step)
         self._last = Last(t, base, seen, changes, kick)
-        own, comfort = self._links[index], 0.0
-        if self._bend:
-            side = xp.where(q[index] < 0.0, -1.0, 1.0)
-            short = xp.maximum(self._bend - side * q[index], 0.0)
-            comfort = side * short / self._memory
-        velocity: Array = comfort + (going[index] - comfort) * fading + step / horizon
+        own = self._links[index]
+        velocity: Array = fading * going[index] + step / horizon
         if base is not None and hand is None:
             most = own.speed * near**2
             velocity = xp.clip(velocity, -most, most)

@@ -63,12 +63,6 @@ TERMS = (
     _platform("a trifling error calls for no detour", "TRIFLE", 1e-9),
     _platform("what the drive makes of its commands is learned", "LEAST", 1.0),
     _platform("in the end a detour is better than an error for good", "URGES", 0.0),
-    Term(
-        "the elbow keeps off straight",
-        ("studies.cases.kind:BEND", "studies.cases.posed:BEND"),
-        {},
-        joints=True,
-    ),
     Term("a joint leaves its stop the long way", ("agents.stops:Stops.IN_VAIN",), np.inf, True),
     Term("a joint moves by chance", ("agents.kick:PATIENCE",), 1e9, True),
     Term("what is far on the level is left to the platform", ("agents.laws:NEAR",), 1e9),

@@ -23,7 +23,7 @@ from runtime.gate.speed_limit import SpeedLimit
 from runtime.processes.timing import freshness
 from runtime.wire.operator_messages import JogMessage, Mode
 from studies.lockstep import decide_all, true_motion
-from studies.mobile import ARPH, BEND, PERIOD
+from studies.mobile import ARPH, PERIOD
 
 ASIDE = np.radians(90.0)
 """Bearing of the hand when lined up, in deploy/arph-web.yaml [rad]."""
@@ -39,7 +39,7 @@ def web_team(seed: int) -> dict[str, Agent]:
     agents: dict[str, Agent] = {}
     for joint in range(ARPH.n):
         body = Body(ARPH, joint, PERIOD, [seed, joint])
-        agents[f"joint/{joint + 1}"] = JointAgent(body, bend=BEND.get(joint, 0.0))
+        agents[f"joint/{joint + 1}"] = JointAgent(body)
     body = Body(ARPH, None, PERIOD, [seed, ARPH.n])
     agents["platform"] = PlatformAgent(body, bearing=ASIDE, reach=NEAR)
     return agents

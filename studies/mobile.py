@@ -20,8 +20,6 @@ ARPH = load("arph")
 """The Manus arm on its two-wheeled platform."""
 MOVING = (0, 1, 2)
 """The joints that take part in the task, from 0; the wrist and the rolls hold still."""
-BEND = {2: np.radians(30.0)}
-"""Angle from straight that the elbow keeps if possible [rad]."""
 BEARING = np.radians(-6.0)
 """Bearing of the hand when lined up [rad]: the shoulder is to the right of the column."""
 PERIOD = 0.06
@@ -64,9 +62,7 @@ def msma(
     for joint in range(ARPH.n):
         body = Body(ARPH, joint, period, [seed, joint])
         agents[f"joint/{joint + 1}"] = (
-            JointAgent(body, perception=perception, bend=BEND.get(joint, 0.0))
-            if joint in MOVING
-            else HoldAgent(body)
+            JointAgent(body, perception=perception) if joint in MOVING else HoldAgent(body)
         )
     body = Body(ARPH, None, period, [seed, ARPH.n])
     agents["platform"] = PlatformAgent(body, perception=perception, bearing=BEARING)

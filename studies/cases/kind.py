@@ -15,7 +15,7 @@ from studies.batch_faults import BatchFaults, BatchPlant
 from studies.cases import goals as goals_of
 from studies.cases.goals import Goals, Rows
 from studies.lockstep import Trace, decide_all, true_motion
-from studies.mobile import ARPH, BASE, BEARING, BEND, MOVING, PERIOD, POSTURE
+from studies.mobile import ARPH, BASE, BEARING, MOVING, PERIOD, POSTURE
 from studies.mobile_reach import Bools
 from studies.platform_measures import path_roughness, turned_about
 
@@ -127,8 +127,7 @@ def team(
     for joint in range(robot.n):
         body = Body(robot, joint, period, [0, joint])
         moves = joint in MOVING or robot.drive is None
-        bend = 0.0 if robot.drive is None else BEND.get(joint, 0.0)
-        agents[f"joint/{joint + 1}"] = JointAgent(body, bend=bend) if moves else HoldAgent(body)
+        agents[f"joint/{joint + 1}"] = JointAgent(body) if moves else HoldAgent(body)
     if robot.drive is not None:
         body = Body(robot, None, period, [0, robot.n])
         agents["platform"] = platform(body, bearing=BEARING)  # type: ignore[call-arg]

@@ -19,7 +19,7 @@ from studies.baselines.central import as_agents
 from studies.baselines.pose_ik import DampedLeastSquares, ranges
 from studies.batch_faults import BatchFaults, BatchPlant
 from studies.lockstep import Trace, run
-from studies.mobile import BEARING, BEND
+from studies.mobile import BEARING
 from studies.mobile_reach import Bools
 from studies.no_model import planar
 
@@ -156,7 +156,6 @@ def team(robot: Robot, period: float, seed: int) -> dict[str, Agent]:
         f"joint/{i + 1}": JointAgent(
             Body(robot, i, period, [seed, i]),
             perception="blackboard",
-            bend=BEND.get(i, 0.0) if drives else 0.0,
         )
         for i in range(robot.n)
     }

@@ -80,8 +80,7 @@ def test_a_cup_stays_upright_from_starts_about_the_same_and_with_commands_that_c
     base = np.array([-0.15, 0.0, 0.0]) + rng.normal(0.0, 1e-3, (many, 3))
     plant = KinematicPlant(Setup(arph, joints, base, period=period))
     agents: dict[str, Agent] = {
-        f"joint/{i + 1}": JointAgent(Body(arph, i, period, [7, i]), bend=np.deg2rad(30 * (i == 2)))
-        for i in range(6)
+        f"joint/{i + 1}": JointAgent(Body(arph, i, period, [7, i])) for i in range(6)
     }
     body = Body(arph, None, period, [7, 6])
     agents["platform"] = PlatformAgent(body, bearing=np.deg2rad(90), reach=0.35)

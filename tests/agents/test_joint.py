@@ -111,7 +111,6 @@ def test_a_batch_of_robots_is_decided_for_at_once(body, percepts, perception):
 @pytest.mark.parametrize(
     ("parameters", "said"),
     [
-        ({"bend": 2.0}, "bend: 114.592 deg must be from 0 to 90 deg"),
         ({"horizon": -1.0}, "horizon: -1 must be positive"),
         ({"memory": 0.0}, "memory: 0 must be positive"),
     ],

@@ -69,8 +69,12 @@ def test_chaos_is_added_to_that_of_the_file() -> None:
     [
         ("--set", "period=-1", "period: -1 must be positive, such as 60 ms"),
         ("--set", "perid=1", "unknown key 'perid'; did you mean 'period'? valid are robot,"),
-        ("--set", "agents.joint/9.bend=1", "agents has no joint/9; it has joint/1, joint/2,"),
-        ("--set", "agents.0.bned=1", "agents.joint/1: unknown key 'bned'; did you mean 'bend'?"),
+        ("--set", "agents.joint/9.memory=1", "agents has no joint/9; it has joint/1, joint/2,"),
+        (
+            "--set",
+            "agents.0.memroy=1",
+            "agents.joint/1: unknown key 'memroy'; did you mean 'memory'?",
+        ),
         ("--set", "period", "write PATH=VALUE, such as --set period=20ms"),
         ("--set", "seed=[1", "is not YAML: did not find expected"),
         ("--robot", "a b", "robot: 'a b' is not a robot's name, such as arph"),

@@ -34,7 +34,6 @@ tolerance: 10 m
 start:
   joints: [0 deg, 60 deg, -115 deg, 0 deg, 0 deg, 0 deg]
 agents:
-  - {role: joint/3, class: agents.joint:JointAgent, bend: 30 deg}
   - {role: joint/*, class: agents.joint:JointAgent}
   - {role: platform, class: agents.platform:PlatformAgent, bearing: 90 deg}
 nodes:
