@@ -33,8 +33,6 @@ the law before, where it was 0.2242 m of ARPH's. Where the hand is to be turned 
 of 240 poses of ARPH 230 are reached so, where it was 216 with slow joints (seeds 0 to 2)."""
 BRAKES = 0.7
 """[1] of the speed from which it could just brake in time: what is left makes up for others."""
-LEAST_SPEED = 0.1
-"""[1] of its top speed, that it may always use: braking is left to the horizon that close."""
 
 
 class Last(NamedTuple):
@@ -137,7 +135,6 @@ class LineByModel:
         if not moves:
             now = xp.abs(step + fading * going[index] * horizon)
             most = BRAKES * xp.sqrt(2.0 * own.acceleration * now)
-            most = xp.maximum(most, LEAST_SPEED * own.speed)
             velocity = xp.clip(velocity, -most, most)
         return velocity
 

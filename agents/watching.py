@@ -25,7 +25,8 @@ class SteadyEye:
     """
 
     PATIENCE = 0.95
-    """[1] Share kept of what is known of the trembling at each sight. Chosen: a mean of 20."""
+    """[1] Share kept of what is known of the trembling, and of what others do, at each sight.
+    Chosen: a mean of 20."""
     CHANCE = 0.03
     """[1] Of the differences' variance, that may look like trembling by chance. Searched."""
 
@@ -141,35 +142,27 @@ class OwnColumn:
     How late the hand is seen to answer is not known either: one such filter for each lag of a few,
     weighed by how well each has foretold what was seen: the logarithm of its odds falls by
 
-        `WEIGHT` (log f + n log(1 + s / (n f))),    n = `TAILS`,
+        `WEIGHT` log(f + s)
 
     at each sight, with s the mean square of what was not foretold and f its expectation. That is
-    Student's distribution: by the normal one, n without limit, what another joint does all of a
-    sudden would decide for long which lag is believed.
+    Cauchy's distribution: by the normal one, what another joint does all of a sudden would decide
+    for long which lag is believed.
     """
 
     LENGTH = 0.8
     """[reaches/rad] How long the column may be before anything was seen. Chosen by hand."""
     DOUBT = 0.05
     """[reaches/rad] Of a column that a model told. Chosen: it was told a moment ago."""
-    DRIFT = 0.03
-    """[reaches/rad per sqrt(s)] How fast the column may wander while all seems still. Searched."""
     CARRIED = 1.6
     """[1/rad] How far it may wander per distance that the hand goes. Searched."""
     NOISE = 0.1
     """[reaches/s] Of the hand's velocity that may be others' doing, at first. Chosen by hand."""
-    PATIENCE = 0.9
-    """[1] Share kept of the estimate of that noise at each sight. Searched."""
     PROMPT = 13.0
     """[1/s] By which a late answer is less likely than a prompt one, at first. Searched."""
-    TELLING = 3.0
-    """[1] Power of the trust with which answers to what was seen tell of their effect. Searched."""
     LASTING = 0.985
     """[1] Share kept of the evidence for a lag at each sight. Searched: lags may change."""
     WEIGHT = 0.2
     """[1] Of one sight as evidence. Searched: successive sights are not independent."""
-    TAILS = 2.0
-    """[1] n of Student's distribution. Searched: a half with twice the weight does as well."""
 
     def __init__(self, lags: Array, size: int, known: Array | None = None) -> None:
         """Know nothing but a length to expect, or what the column is: `known` (..., D) [1/rad].
@@ -203,17 +196,16 @@ class OwnColumn:
             self._noise = np.full(many, self.NOISE**2)
             column = (-1, *[1] * (speed.ndim - 1))
             self._evidence = np.zeros(many) - self.PROMPT * self._lags.reshape(column)
-        wander = self.DRIFT**2 * elapsed + (self.CARRIED * gone) ** 2
-        variance = np.minimum(self._variance + wander, 2.0 * self.LENGTH**2)
-        telling = chance + trust**self.TELLING * (speed - chance)
+        variance = self._variance + (self.CARRIED * gone) ** 2
+        variance = np.minimum(variance, 2.0 * self.LENGTH**2)
+        telling = chance + trust * (speed - chance)
         surprise = velocity - self._way * speed[..., None]
         seen = (surprise * surprise).sum(axis=-1) / surprise.shape[-1]
         foretold = variance * telling**2 + self._noise
         evidence = self.LASTING * self._evidence
-        tails = self.TAILS * np.log1p(seen / (self.TAILS * foretold))
-        evidence -= self.WEIGHT * (np.log(foretold) + tails)
+        evidence -= self.WEIGHT * np.log(foretold + seen)
         self._evidence = np.where(elapsed > 0, evidence, self._evidence)
-        noise = self.PATIENCE * self._noise + (1.0 - self.PATIENCE) * seen
+        noise = SteadyEye.PATIENCE * self._noise + (1.0 - SteadyEye.PATIENCE) * seen
         self._noise = np.maximum(noise, 1e-12)
         weight = variance * telling / (variance * telling**2 + self._noise)
         self._way = self._way + weight[..., None] * surprise
