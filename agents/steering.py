@@ -44,7 +44,8 @@ SEEDS = 12
 find no better plans."""
 BETTER = 0.9
 """[] Share of the present plan's cost that another one needs to replace it. Chosen:
-hysteresis against changing sides at every plan; 0.97 makes no difference."""
+hysteresis against changing sides at every plan. Without it 94 of 100 courses with things in the way
+are done, not 98 (seed 3), and of 1087 goals without any 3 more; 0.97 makes no difference."""
 BEYOND = 6
 """[] Growing intervals after the plan's end, in which only the heading that tows is worked out.
 Chosen: they reach to 90 s with ARPH; 3 do nearly as well."""
