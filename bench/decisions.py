@@ -61,7 +61,7 @@ def recorded_cases(ticks: int) -> dict[str, DecisionCase]:
     percepts = arm_run(ticks).percepts
     names = {
         "joint/2 of six": "joint/2",
-        "joint/3 of six, an elbow": "joint/3",
+        "joint/3 of six": "joint/3",
         "joint/4 of six, holds": "joint/4",
         "platform": "platform",
     }
