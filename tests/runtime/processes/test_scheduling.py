@@ -175,11 +175,13 @@ print(set_realtime(), os.sched_getparam(0).sched_priority)
 def test_a_thread_that_ends_meanwhile_does_not_end_the_process() -> None:
     # as Zenoh's do that wait for a connection; the watchdog would take it for a crash
     code = """
-import threading
+import threading, time
 from runtime.processes import scheduling
 ended = threading.Thread(target=lambda: None)
 ended.start()
 ended.join()
+while os.path.exists(f"/proc/self/task/{ended.native_id}"):  # the system's is a little later
+    time.sleep(0.001)
 scheduling._realtime_threads = lambda: [(ended.native_id, 1)]
 scheduling.confine_realtime()
 scheduling.set_normal()
