@@ -27,14 +27,16 @@ class AgentError(MsmaError, ValueError):
 class Goal(NamedTuple):
     """A piece of path: where the hand should be, how fast that moves, and until when.
 
-    position: (..., 3) [m] in the world, at time `since`
-    velocity: (..., 3) [m/s]
-    since, until: plant time [s]; before and after, the goal stands still
-    orientation: (..., 4) unit quaternion x, y, z, w of the hand in the world, at time `since`;
-        None where it does not matter
-    angular_velocity: (..., 3) [rad/s] in the world, with which it turns; None for none
-    free: what of the orientation does not matter all the same: `roll` is a turn about the hand's z
-    grip: how far the gripper should be open there [m]; None where it is to stay as it is
+    Attributes:
+        position: (..., 3) [m] in the world, at time `since`.
+        velocity: (..., 3) [m/s].
+        since, until: Plant time [s]; before and after, the goal stands still.
+        orientation: (..., 4) unit quaternion x, y, z, w of the hand in the world, at time `since`;
+            None where it does not matter.
+        angular_velocity: (..., 3) [rad/s] in the world, with which it turns; None for none.
+        free: What of the orientation does not matter all the same: `roll` is a turn about the
+            hand's z.
+        grip: How far the gripper should be open there [m]; None where it is to stay as it is.
     """
 
     position: Array
@@ -78,14 +80,15 @@ class Joints(NamedTuple):
 class Percepts(NamedTuple):
     """All that an agent may know at one moment; None is what it does not see, or not freshly.
 
-    t: plant time of the newest of these [s]
-    hand: (..., 3) [m] in the world, as an external localiser sees the grip point
-    joints: the blackboard
-    base: (..., 3) x [m], y [m], heading [rad] of the platform in the world
-    goal: the piece of path in force
-    sensors: by name, what is fresh of the robot's own sensors that the agent `sees`
-    orientation: (..., 4) unit quaternion x, y, z, w of the hand in the world, as the localiser
-        sees it
+    Attributes:
+        t: Plant time of the newest of these [s].
+        hand: (..., 3) [m] in the world, as an external localiser sees the grip point.
+        joints: The blackboard.
+        base: (..., 3) x [m], y [m], heading [rad] of the platform in the world.
+        goal: The piece of path in force.
+        sensors: By name, what is fresh of the robot's own sensors that the agent `sees`.
+        orientation: (..., 4) unit quaternion x, y, z, w of the hand in the world, as the localiser
+            sees it.
     """
 
     t: float
@@ -125,9 +128,11 @@ class Percepts(NamedTuple):
 class Body:
     """What an agent is born with: the robot it is part of and its place in it.
 
-    joint: index from 0 of the joint it moves, None for the platform and the gripper
-    period: of the control loop [s]
-    seed: of the only source of chance an agent has
+    Attributes:
+        robot: The robot.
+        joint: Index from 0 of the joint it moves, None for the platform and the gripper.
+        period: Of the control loop [s].
+        seed: Of the only source of chance an agent has.
     """
 
     robot: Robot
@@ -142,9 +147,10 @@ class Body:
 
 
 REST = 1 / 12
-"""Of its horizon, in which nothing changes that an agent would answer otherwise: it makes up for a
-share of what is missing by the end of each, so the loop is closed over a hundred times as often as
-it takes to settle, where twenty do (Astrom and Wittenmark 1997, "Computer-Controlled Systems")."""
+"""[horizons] In which nothing changes that an agent would answer otherwise. Derived: it makes up
+for a share of what is missing by the end of each, so the loop is closed over a hundred times as
+often as it takes to settle, where twenty do (Astrom and Wittenmark 1997, "Computer-Controlled
+Systems")."""
 
 
 class Agent(ABC):

@@ -11,8 +11,9 @@ from plant.robot import Drive
 
 KEPT = 0.04
 """[L] Gap that is kept to what is seen. Chosen: four times the noise of ultrasonic sensors."""
-SHARES = np.array([1.0, 0.8, 0.6, 0.4, 0.25, 0.12, 0.0])
-"""[] Of the planned speeds that are tried. Chosen: finer where the platform is slow."""
+SHARES = 6
+"""[] Of the planned speeds that are tried, up to all. Chosen: by squares, finer where the platform
+is slow."""
 POSES = 6
 """[] On the way to rest that are looked at. Chosen: 3 cm apart at ARPH's top speed."""
 
@@ -48,8 +49,9 @@ class Brakes:
         self._slows = np.array([drive.max_linear_acceleration, drive.max_angular_acceleration])
         self._times = np.linspace(0.0, 1.0, POSES + 1)[1:]
         self._outline, self._sonar, self._reach, self._late = outline, sonar, reach, late
-        turning = [(0.0, share) for share in SHARES]
-        pairs = [(share, 1.0) for share in SHARES] + [(share, share) for share in SHARES] + turning
+        shares = np.linspace(1.0, 0.0, SHARES + 1) ** 2
+        pairs = [(share, 1.0) for share in shares] + [(share, share) for share in shares]
+        pairs += [(0.0, share) for share in shares]
         self._pairs = np.array(list(dict.fromkeys(pairs)))
 
     def limit(self, echoes: Echoes, base: Array, speeds: Array) -> Limit:

@@ -30,9 +30,12 @@ from plant.kinematics import ArmPose
 class Told(NamedTuple):
     """What a model told at one moment.
 
-    t: [s]; arm: the whole; joint: index of the agent's own (from 0)
-    slides: whether that is prismatic
-    speed: (...) of that joint, as commanded [rad/s or m/s]
+    Attributes:
+        t: When [s].
+        arm: The whole.
+        joint: Index of the agent's own, from 0.
+        slides: Whether that is prismatic.
+        speed: (...) of that joint, as commanded [rad/s or m/s].
     """
 
     t: float
@@ -122,15 +125,21 @@ class LineByEye:
     Chosen by hand."""
 
     def __init__(self, body: Body, *, horizon: float, memory: float, top_speed: float) -> None:
-        """Look `horizon` [s] ahead and further, and never turn faster than `top_speed` [rad/s].
+        """Know nothing yet of what its turning does.
 
-        A motion that nothing asks for dies down in `memory` [s], sooner where eyes tremble.
+        Args:
+            body: Which joint of which robot.
+            horizon: How far ahead it looks, and further [s].
+            memory: In which a motion dies down that nothing asks for, sooner where eyes tremble
+                [s].
+            top_speed: [rad/s or m/s].
         """
         self._body = body
         self._horizon, self._memory = self.FURTHER * horizon, memory
         self._gap = TRUST * horizon  # an older sight says nothing of a speed now
         self._top_speed = top_speed
         self._window = max(self.WINDOW, body.period)
+        self._due = self._window - body.period / 4  # ticks are never quite as long as each other
         self._told: tuple[Told, ...] = ()
         self._lever, self._reach = np.sqrt(2.0) * LEVER, reach_of(body)
         self._begin(0.0, None)
@@ -152,7 +161,7 @@ class LineByEye:
 
     def listen(self, t: float, view: View, joint: int, speed: Array) -> None:
         """Hear what a model knows while it serves."""
-        if view.arm is None or (self._told and t - self._told[-1].t < 0.9 * self._window):
+        if view.arm is None or (self._told and t - self._told[-1].t < self._due):
             return
         slides = self._body.robot.joints[joint].slides
         self._told = (*self._told[-1:], Told(t, view.arm, joint, slides, speed))
@@ -181,7 +190,7 @@ class LineByEye:
         if self._told or lever != self._lengths.lever or not 0 <= t - last <= self._gap:
             self._take_over(t, lever)
         elapsed = self._window if self._t is None else t - self._t
-        if elapsed < 0.9 * self._window:
+        if elapsed < self._due:
             return self._will
         hand = self._lengths.of_hand(view.hand, turn)
         self._eye.see(t, hand)
@@ -213,7 +222,10 @@ class LineByEye:
     def _decide(self, elapsed: float, missing: Array, goes: Array) -> Array:
         """Return the next speed (...) [rad/s].
 
-        missing: (..., D) from the hand to the goal; goes: (..., D) the goal's velocity [1/s]
+        Args:
+            elapsed: Since the last decision [s].
+            missing: (..., D) from the hand to the goal.
+            goes: (..., D) the goal's velocity [1/s].
         """
         column, eye = self._own.column, self._eye
         ahead = self._horizon + column.lag

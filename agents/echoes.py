@@ -32,6 +32,9 @@ CLOSE = 0.1
 ultrasonic sensors."""
 ACROSS = 5
 """[] Points that stand for the arc of an echo. Chosen: 6 cm apart at 0.5 m in a cone of 30 deg."""
+EDGE = 1e-3
+"""[1] Cosine of half a cone's angle, less that of what still lies in it. Trade-off: with rounding
+alone, people walk into the platform while it goes in 4 of 25 courses (seed 3), in none so."""
 DEEP = 12
 """[] Distances before a lost sensor, up to L, of which it is known whether others have seen that it
 is free there. Chosen: by squares, as fine near the outline as the gap kept.
@@ -99,7 +102,7 @@ class Sonar:
         bearing = np.array([each.bearing for each in layout])
         self.axis: Places = np.exp(1j * bearing)
         """(S,) where they look, as e^ia."""
-        self._inside = float(np.cos(0.5 * belt.cone)) - 1e-3  # the edges too
+        self._inside = float(np.cos(0.5 * belt.cone)) - EDGE
         self._sine = float(np.sin(0.5 * belt.cone))
         off = 0.5 * belt.cone * np.linspace(-1.0, 1.0, ACROSS)
         self._arc: Places = np.exp(1j * (bearing[:, None] + off))

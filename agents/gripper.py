@@ -36,11 +36,16 @@ class GripperAgent(Agent):
     ) -> None:
         """Become the agent of the robot's gripper.
 
-        effort: largest force of the fingers [N]; by default all that they have
-        near: how far off the goal the hand may be [m]; by default an eighth of the largest opening
-        turned: by how much it may be turned otherwise, where the goal has an orientation [rad]
+        Args:
+            body: Which robot.
+            effort: Largest force of the fingers [N]; by default all that they have.
+            near: How far off the goal the hand may be [m]; by default an eighth of the largest
+                opening.
+            turned: By how much it may be turned otherwise, where the goal has an orientation
+                [rad].
 
-        Raises `AgentError` for a robot without a gripper, or a value that is out of its range.
+        Raises:
+            AgentError: The robot has no gripper, or a value is out of its range.
         """
         gripper = body.robot.gripper
         if gripper is None:

@@ -27,11 +27,14 @@ class JointAgent(Agent):
     ) -> None:
         """Become the agent of one joint.
 
-        perception: see `Sight`
-        horizon: how far ahead it looks [s]; at least one and a half control periods
-        memory: time in which a motion that nothing asks for dies [s]
+        Args:
+            body: Which joint of which robot.
+            perception: See `Sight`.
+            horizon: How far ahead it looks [s]; at least two control periods.
+            memory: Time in which a motion that nothing asks for dies [s].
 
-        Raises `AgentError` when a value is out of its range.
+        Raises:
+            AgentError: A value is out of its range.
         """
         for name, value in (("horizon", horizon), ("memory", memory)):
             if not value > 0:
@@ -41,7 +44,7 @@ class JointAgent(Agent):
         self._sight = Sight(body, perception)
         self.sees = self._sight.sees | {"goal"}
         self._may_fail = perception == "auto"  # the model, while there is something else to go by
-        horizon = max(horizon, 1.5 * body.period)
+        horizon = max(horizon, 2 * body.period)
         self.rest = REST * horizon
         self._by_model = LineByModel(body, self._joint, horizon=horizon, memory=memory)
         self._by_eye = LineByEye(body, horizon=horizon, memory=memory, top_speed=self._top_speed)
@@ -76,10 +79,15 @@ class HoldAgent(Agent):
         angle: Annotated[float, "rad or m"] | None = None,
         rate: Annotated[float, "Hz"] = 2.0,
     ) -> None:
-        """Keep `angle` [rad or m], or else the first that its encoder shows.
+        """Become the agent of one joint.
 
-        rate: share of a deviation that is made good in a second [1/s]; at most one a period.
-        Raises `AgentError` when it is not positive.
+        Args:
+            body: Which joint of which robot.
+            angle: To keep [rad or m]; by default the first that its encoder shows.
+            rate: Share of a deviation that is made good in a second [1/s]; at most one a period.
+
+        Raises:
+            AgentError: The rate is not positive.
         """
         if not rate > 0:
             raise AgentError(f"rate: {rate:g} must be positive")
@@ -87,7 +95,7 @@ class HoldAgent(Agent):
         self._angle: Number = angle
         self._rate = min(rate, 1 / body.period)
         self.sees = frozenset(("joints",))
-        self.rest = 0.02 / rate
+        self.rest = REST / rate
 
     def decide(self, percepts: Percepts) -> Array | None:
         """Return the joint's velocity (...) [rad/s]; None when its encoder is not heard."""

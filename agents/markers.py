@@ -254,7 +254,8 @@ def cost(off: Off, place: Vector, lever2: float) -> Number:
     if turn is None:
         return squared
     _, x, y, z = turn
-    return squared + 8.0 * lever2 * (x * x + y * y + z * z)
+    chord2 = 4.0 * (x * x + y * y + z * z)  # of the angle, on a circle of radius 1
+    return squared + 2.0 * lever2 * chord2
 
 
 def moved(way: Vector, turn: Vector, lever2: float) -> Number:

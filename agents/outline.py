@@ -28,7 +28,8 @@ class Outline:
         normals = 1j * edges / np.where(lengths > 0, lengths, 1.0)
         beyond = (np.conj(normals)[..., None] * (corners - corners[:, None, None])).real
         outer = (beyond.max(axis=-1) <= 1e-9 * lengths.max()) & (lengths > 0)
-        self.normals: Places = np.unique(normals[outer].round(9))
+        _, first = np.unique(np.rint(normals[outer] / 1e-9), return_index=True)
+        self.normals: Places = normals[outer][first]
         """(E,) unit normals of the edges."""
         self._rows = np.stack([self.normals.real, self.normals.imag], axis=-1)
         self.offsets: Array = (np.conj(self.normals)[:, None] * corners).real.max(axis=-1)

@@ -17,6 +17,9 @@ Speed = Annotated[float, "m/s"]
 Time = Annotated[float, "s"]
 Point = tuple[Length, Length, Length]
 Velocity = tuple[Speed, Speed, Speed]
+_CHORDS = 100
+"""[1] Straight ways that stand for a full turn. Chosen: of a circle they are off by 0.05 % of its
+radius at most."""
 
 
 class PathError(MsmaError, ValueError):
@@ -182,8 +185,8 @@ class Circle(Path):
         return place
 
     def piece(self, t: float) -> Goal:
-        """Return the chord that starts at the last whole hundredth of a turn."""
-        chord = 2 * np.pi / abs(self._rate) / 100
+        """Return the chord in force; each turn begins with a new one."""
+        chord = 2 * np.pi / abs(self._rate) / _CHORDS
         index = min(max(int(t / chord), 0), int(np.ceil(self._end / chord)) - 1)
         since, until = index * chord, min((index + 1) * chord, self._end)
         here, there = self._place(since), self._place(until)

@@ -17,10 +17,11 @@ Perception = Literal["auto", "blackboard", "localiser"]
 class View(NamedTuple):
     """What an agent sees of the hand, by a model, by an eye, or by both.
 
-    arm: the whole arm by the model
-    eye: (..., 3) [m] in the world, where an eye sees the hand
-    modelled: (...) where the arm by the model is to be believed, or one answer for all
-    orientation: (..., 4) unit quaternion x, y, z, w, how an eye sees the hand turned
+    Attributes:
+        arm: The whole arm by the model.
+        eye: (..., 3) [m] in the world, where an eye sees the hand.
+        modelled: (...) where the arm by the model is to be believed, or one answer for all.
+        orientation: (..., 4) unit quaternion x, y, z, w, how an eye sees the hand turned.
     """
 
     arm: ArmPose | None

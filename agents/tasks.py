@@ -109,9 +109,13 @@ class Sequence(Path):
     def __init__(self, *, steps: tuple[Step, ...], speed: Speed = 0.1, turning: Rate = 0.5) -> None:
         """Lead through the poses one after the other.
 
-        steps: at least one
-        speed: of the goal on its way [m/s], and less where it has to turn for longer
-        turning: of the goal [rad/s], and less where its way takes longer
+        Args:
+            steps: At least one.
+            speed: Of the goal on its way [m/s], and less where it has to turn for longer.
+            turning: Of the goal [rad/s], and less where its way takes longer.
+
+        Raises:
+            PathError: There is no step, or a speed is not positive.
         """
         if not steps:
             raise PathError("steps: there is none; a task takes at least one")

@@ -29,6 +29,9 @@ class SteadyEye:
     Chosen: a mean of 20."""
     CHANCE = 0.03
     """[1] Of the differences' variance, that may look like trembling by chance. Searched."""
+    MOVES = 1e-3
+    """[1] Of the differences' variance, that is motion at least. Chosen: an eye that sees nothing
+    but its own trembling is then trusted by a third."""
 
     def __init__(self) -> None:
         """Have seen nothing yet."""
@@ -69,9 +72,10 @@ class SteadyEye:
     def _trust(self) -> Array:
         tiny = 1e-28  # more than rounding makes of it
         trembling = np.maximum(-self._fall / 4.0 - self.CHANCE * self._spread, tiny)
-        moving = np.maximum(self._spread - 6.0 * trembling, 1e-3 * self._spread) + tiny
-        index = np.sqrt(moving / trembling)
-        root = 4.0 / (4.0 + index + np.sqrt(8.0 * index + index * index))
+        expected = (1.0 + 4.0 + 1.0) * trembling  # of a second difference, 1 - 2 + 1
+        moving = np.maximum(self._spread - expected, self.MOVES * self._spread) + tiny
+        index = 0.5 * np.sqrt(moving / trembling)  # of tracking, by 2
+        root = 1.0 / (1.0 + 0.5 * (index + np.sqrt(4.0 * index + index * index)))
         trust: Array = 1.0 - root * root
         return trust
 
@@ -103,10 +107,13 @@ class Content:
     def after(
         self, elapsed: float, missing: Array, trembling: Array, moving: npt.NDArray[np.bool_]
     ) -> npt.NDArray[np.bool_]:
-        """Return whether (...) to rest, `elapsed` [s] after this was asked last.
+        """Return whether (...) to rest.
 
-        missing: (..., D) from the hand to the goal; trembling: (...) see `SteadyEye`
-        moving: (...) whether the goal moves
+        Args:
+            elapsed: Since this was asked last [s].
+            missing: (..., D) from the hand to the goal.
+            trembling: (...) see `SteadyEye`.
+            moving: (...) whether the goal moves.
         """
         if self._missing is None:
             self._missing = missing
@@ -125,8 +132,10 @@ class Content:
 class Column(NamedTuple):
     """What the hand does when the joint turns.
 
-    way: (..., D) [1/rad]; variance: (...) of each component [1/rad2]; lag: (...) after which the
-    hand is seen to answer [s]
+    Attributes:
+        way: (..., D) [1/rad].
+        variance: (...) of each component [1/rad2].
+        lag: (...) after which the hand is seen to answer [s].
     """
 
     way: Array
@@ -165,9 +174,12 @@ class OwnColumn:
     """[1] Of one sight as evidence. Searched: successive sights are not independent."""
 
     def __init__(self, lags: Array, size: int, known: Array | None = None) -> None:
-        """Know nothing but a length to expect, or what the column is: `known` (..., D) [1/rad].
+        """Know nothing but a length to expect, or what the column is.
 
-        lags: (H,) those thought possible [s]; size: D
+        Args:
+            lags: (H,) those thought possible [s].
+            size: D.
+            known: (..., D) the column [1/rad].
         """
         self._lags = lags
         self._way: Array | None = None
@@ -180,14 +192,17 @@ class OwnColumn:
         self, speed: Array, chance: Array, velocity: Array, *, elapsed: Array, gone: Array,
         trust: Array,
     ) -> None:  # fmt: skip
-        """Take in that the hand's velocity has changed by `velocity` (..., D) [1/s].
+        """Take in that the hand's velocity has changed.
 
-        speed: (H, ...) by how much, with each lag, the joint's own speed had changed [rad/s]
-        chance: (H, ...) what of that was by chance; the rest answered what was seen: the less it
-            is to be trusted, the more of a likeness between the two is trembling seen twice, so
-            that only what was by chance tells (an instrumental variable)
-        elapsed: (...) time since the last sight, 0 where it rested [s]
-        gone: (...) how far the hand went in it; trust: (...) see `SteadyEye`
+        Args:
+            speed: (H, ...) by how much, with each lag, the joint's own speed had changed [rad/s].
+            chance: (H, ...) what of that was by chance; the rest answered what was seen: the less
+                it is to be trusted, the more of a likeness between the two is trembling seen
+                twice, so that only what was by chance tells (an instrumental variable).
+            velocity: (..., D) by how much the hand's velocity has changed [1/s].
+            elapsed: (...) time since the last sight, 0 where it rested [s].
+            gone: (...) how far the hand went in it.
+            trust: (...) see `SteadyEye`.
         """
         if self._way is None:
             many = speed.shape

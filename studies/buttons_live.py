@@ -46,7 +46,9 @@ class ButtonsLive(Buttons):
     def drive(self, way: str, case: str, course: Course, seed: int) -> Run:
         """Start a robot with its page, and have a person bring its hand along a course.
 
-        Raises `StudyError` without Chromium or Playwright, `LaunchFailedError` without a robot.
+        Raises:
+            StudyError: There is no Chromium, or no Playwright.
+            LaunchFailedError: The robot does not start.
         """
         degrees = ", ".join(f"{angle:.6f} deg" for angle in np.degrees(course.q))
         with _visited(f"start.joints=[{degrees}]") as (address, browser):
