@@ -5,6 +5,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from importlib import import_module
+from itertools import islice
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -18,7 +19,9 @@ from studies.bars import BARS, Bar
 from studies.cases import posed
 from studies.cases.drawn import TUNING, drawn
 from studies.cases.kind import Kind, judged, play, team
+from studies.course_runs import drive, society
 from studies.mobile import ARPH
+from studies.obstacles import largest_error, line_beside
 from studies.planar_reach import anywhere
 from studies.study import Findings, Progress, Row, Study, share
 
@@ -39,7 +42,9 @@ class Term(NamedTuple):
     joints: bool = False
 
 
-PLATFORM = "agents.steering", "agents.platform", "agents.bends", "agents.lifting"
+PLATFORM = (
+    "agents.steering", "agents.platform", "agents.bends", "agents.lifting", "agents.clearance",
+)  # fmt: skip
 """Modules of the platform's law."""
 
 
@@ -63,8 +68,13 @@ TERMS = (
     _platform("a trifling error calls for no detour", "TRIFLE", 1e-9),
     _platform("what the drive makes of its commands is learned", "LEAST", 1.0),
     _platform("in the end a detour is better than an error for good", "URGES", 0.0),
+    _platform("gaps that are too small count", "CARE", 0.0),
+    _platform("ways round things are tried", "WAYS", 0),
     Term("a joint leaves its stop the long way", ("agents.stops:Stops.IN_VAIN",), np.inf, True),
     Term("a joint moves by chance", ("agents.kick:PATIENCE",), 1e9, True),
+    Term("but not while its hand moves near the goal", ("agents.kick:SHAKEN",), 0.0, True),
+    Term("a joint brakes in time for a goal that stands", ("agents.laws:BRAKES",), 1e9, True),
+    Term("what late commands do is expected to come", ("agents.others:CLEARLY",), 1e9, True),
     Term("what is far on the level is left to the platform", ("agents.laws:NEAR",), 1e9),
 )
 """Every term that a constant turns off."""
@@ -76,6 +86,10 @@ SAMPLED = (
 )  # fmt: skip
 """Kinds of `bars` that samples are taken of."""
 POSE, _, LOCKED = posed.TASKS
+CHAIN = 5
+"""Joints of the arms whose commands act a period late."""
+ASIDE = 0.02
+"""Error of a hand whose platform goes round a box, up to which that goes well [m]."""
 
 
 class Score(NamedTuple):
@@ -174,7 +188,10 @@ def mobile_samples(size: float) -> Samples:
     every = max(round(12.0 / max(size, 1e-3)), 1)
     bars = {bar.kind: bar for bar in BARS if bar.kind in SAMPLED}
     samples: Samples = {name: partial(_bar, bar, bar.cases(every)) for name, bar in bars.items()}
-    samples["held-out"] = partial(_held_out, max(round(4 * size), 1))
+    samples["held-out"] = partial(_held_out, max(round(4 * size), 1), slice(1, None, 4))
+    many = max(round(24 * size), 1)
+    samples["held-out, two locks, standing"] = partial(_held_out, many, slice(11, 12))
+    samples["obstacles, a line beside a box"] = _beside
     samples["poses, ARPH, one locked"] = partial(_poses, ARPH, LOCKED, max(round(24 * size), 1))
     return samples
 
@@ -184,15 +201,21 @@ def _bar(bar: Bar, kind: Kind) -> Score:
     return Score(int(bar.good(kind, found).sum()), len(kind), float(np.median(found.final)))
 
 
-def _held_out(count: int) -> Score:
+def _held_out(count: int, which: slice) -> Score:
     good, final = [], []
-    for number, kind in enumerate(drawn(TUNING[0], count)):
-        if number % 4 == 1 and kind.robot.drive is not None:
+    for kind in islice(drawn(TUNING[0], count), which.start, which.stop, which.step):
+        if kind.robot.drive is not None:
             found = judged(kind, play(kind, team(kind.robot)))
             good.append(found.success)
             final.append(found.final)
     every = np.concatenate(good)
     return Score(int(every.sum()), every.size, float(np.median(np.concatenate(final))))
+
+
+def _beside() -> Score:
+    run = drive(line_beside(), society())
+    error = largest_error(run)
+    return Score(int(error < ASIDE and not run.contacts), 1, error)
 
 
 def arm_samples(size: float) -> Samples:
@@ -207,6 +230,7 @@ def arm_samples(size: float) -> Samples:
     samples: Samples = {name: partial(_arms, name, each, count) for name, each in faults.items()}
     samples["poses"] = partial(_poses, load("seven"), POSE, count)
     samples["poses, one locked"] = partial(_poses, load("seven"), LOCKED, count)
+    samples["chains, a period late"] = partial(_chains, count)
     return samples
 
 
@@ -214,6 +238,12 @@ def _poses(robot: Robot, task: posed.Task, count: int) -> Score:
     arms, seed = posed.posed(robot, task, count, TUNING[0]), TUNING[0]
     trace = posed.play(arms, posed.team(robot, posed.PERIOD, seed), seed)
     good = np.isfinite(posed.settled(arms, trace))
+    return Score(int(good.sum()), count, float(np.median(trace.error[-1])))
+
+
+def _chains(count: int) -> Score:
+    trace = posed.chain(CHAIN, True, count, TUNING[0])
+    good = np.isfinite(posed.arrived(trace))
     return Score(int(good.sum()), count, float(np.median(trace.error[-1])))
 
 

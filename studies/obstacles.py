@@ -246,10 +246,14 @@ def _slower(runs: Sequence[Run], lost: Sequence[Run]) -> Row:
     return Row("time, a sensor lost", "", said)
 
 
+def largest_error(run: Run) -> float:
+    """Return the largest error of the hand after `SETTLING` [m]."""
+    return float(run.error[run.t >= SETTLING].max())
+
+
 def _beside(run: Run) -> Row:
-    late = run.error[run.t >= SETTLING]
     aside = float(np.abs(run.base[:, 1] - run.base[0, 1]).max())
-    said = f"{1e3 * late.max():.1f} mm at most, platform {aside:.2f} m aside"
+    said = f"{1e3 * largest_error(run):.1f} mm at most, platform {aside:.2f} m aside"
     return Row("hand on a line beside a box", "", said + (", touched" if run.contacts else ""))
 
 

@@ -29,6 +29,7 @@ from studies.cases.posed import (
     Posed,
     Source,
     Task,
+    arrived,
     chain,
     follow,
     moving,
@@ -201,7 +202,7 @@ class Poses(Study[PosesFound]):
         what += f": within {1e3 * CHAIN_NEAR:g} mm"
         if joints > max(CHAINS[-1] * np.sqrt(size), CHAINS[0]):
             return Row(what, "all", "left out at this size")
-        since = chain(joints, late, _count(GOALS, size), self._seed)
+        since = arrived(chain(joints, late, _count(GOALS, size), self._seed))
         return Row(what, "all", _said(since), bool(np.isfinite(since).all()))
 
     def _notes(self) -> tuple[str, ...]:

@@ -284,8 +284,8 @@ class LatePlant(KinematicPlant):
         self._before = commands
 
 
-def chain(joints: int, late: bool, count: int, seed: int) -> Array:
-    """Return from when on the hands of planar arms stay at their goals to the end (B,) [s].
+def chain(joints: int, late: bool, count: int, seed: int) -> Trace:
+    """Run planar arms to goals that stand, for `CHAIN_DURATION`, as one batch, in lockstep.
 
     The arms are 1 m long, of equal links without stops, and bent at random; their goals are
     anywhere within 0.9 m.
@@ -304,5 +304,9 @@ def chain(joints: int, late: bool, count: int, seed: int) -> Array:
     goal = Goal(place, np.zeros((count, 3)), 0.0, 0.0)
     setup = Setup(robot, q, period=CHAIN_PERIOD, seed=[seed])
     plant = LatePlant(setup) if late else KinematicPlant(setup)
-    trace = run(plant, team(robot, CHAIN_PERIOD, seed), lambda t: goal, CHAIN_DURATION)
+    return run(plant, team(robot, CHAIN_PERIOD, seed), lambda t: goal, CHAIN_DURATION)
+
+
+def arrived(trace: Trace) -> Array:
+    """Return from when on the hands of such arms stay at their goals to the end (B,) [s]."""
     return to_the_end(trace.t, trace.error < CHAIN_NEAR)

@@ -23,6 +23,7 @@ from studies.cases.posed import (
     SOURCES,
     TASKS,
     Source,
+    arrived,
     chain,
     follow,
     moving,
@@ -151,7 +152,7 @@ def test_a_chain_of_five_joints_reaches_its_goals(
     late: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(cases, "CHAIN_DURATION", 12.0)
-    assert np.isfinite(chain(5, late, 4, 0)).all()
+    assert np.isfinite(arrived(chain(5, late, 4, 0))).all()
 
 
 def test_a_late_plant_takes_commands_a_period_later() -> None:
