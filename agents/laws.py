@@ -19,7 +19,7 @@ from agents.markers import (
     turned_by,
 )
 from agents.number import Namespace, Number, Vector, components, namespace_of
-from agents.others import TRUST, Seen, first_seen, left_by_others, links_of
+from agents.others import TRUST, Seen, first_seen, left_by_others, links_of, part_of_step
 from agents.sight import View
 from agents.stops import Stops
 
@@ -72,6 +72,7 @@ class LineByModel:
         reach, own = reach_of(body), self._links[joint]
         self._lever2, self._near = (LEVER * reach) ** 2, NEAR * reach
         self._stops = None if own.slides else Stops(own.lower, own.upper)
+        self._part = part_of_step(body.robot.n)
         self._kicks = Kicks(body, own, reach, horizon)
         self._last: Last | None = None
 
@@ -118,6 +119,7 @@ class LineByModel:
         )  # fmt: skip
         if self._stops is not None:
             step = self._stops.turn(xp, t, q[index], step)
+        step = self._part * step
         kick = None
         if not moves:
             off = arm.tip_parts, hand and turn_against(xp, hand, aim)

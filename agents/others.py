@@ -8,6 +8,11 @@ processor, and what is left is the joint's own business. One that does not move 
 and is reckoned with no more; why it does not is not asked. Where the goal is far nobody can do
 much at once, so all move, and do not wait for those beyond.
 
+Joints that are next to each other in a long chain move the hand nearly the same way. What is left
+once one has made all of its best step is across to that way, and so nearly out of reach for the
+next one too: it turns with the arm from joint to joint, and hardly shrinks. So each of n joints
+makes the share min(1, FEW / n) of its best step.
+
 Nobody hears another's commands. So with x the change of speed that this joint worked out that the
 other would make, and y the change that is seen a decision later, apart from what fades (`laws`),
 
@@ -34,6 +39,9 @@ TRIFLE = 1e-6
 CLEARLY = 0.1
 """[1] by which the eta of late answers is the larger one where they are taken for late, so that
 rounding does not decide."""
+FEW = 8
+"""[1] Joints of an arm, up to which each makes all of its best step. Measured: one sweep over 64
+joints leaves 0.90 of a small error in one of ten arms, 0.89 with half as many and 0.96 with all."""
 TINY = 1e-60
 """[rad2/s2 or m2/s2] so that nothing is divided by nothing."""
 
@@ -120,12 +128,19 @@ def first_seen(speeds: Sequence[Number]) -> Seen:
     return Seen(speeds, none, some, some, some, none)
 
 
+def part_of_step(joints: int) -> float:
+    """Return the share of its best step that each of so many joints makes."""
+    return min(1.0, FEW / joints)
+
+
 def left_by_others(
     xp: Namespace, links: tuple[Link, ...], own: int, arm: ArmPose, off: Off, goal: Vector,
     lever2: float, horizon: float, places: Sequence[Number], speeds: Sequence[Number],
     shares: Sequence[Number], elapsed: float, fading: float,
 ) -> tuple[Number, Sequence[Number]]:  # fmt: skip
     """Return the best step of a joint after those beyond it, and the change x of each, its first.
+
+    A joint makes but the share `part_of_step` of such a step.
 
     Args:
         xp: The namespace.
@@ -145,6 +160,7 @@ def left_by_others(
     step: Number = 0.0
     changes = []
     maximum, minimum = xp.maximum, xp.minimum
+    share = part_of_step(len(links))
     for index in range(len(links) - 1, own - 1, -1):
         slides, lower, upper, top, acceleration = links[index]
         place, speed = places[index], speeds[index]
@@ -156,7 +172,7 @@ def left_by_others(
         most = minimum(top, speed + gain) - rest
         least = maximum(horizon * least, lower - place)
         most = minimum(horizon * most, upper - place)
-        made = xp.clip(step, least, most)
+        made = xp.clip(share * step, least, most)
         changes.append(made / horizon)
         if index > own:
             off = after_step(xp, off, made * shares[index - own], axis, point, slides)

@@ -3,13 +3,15 @@
 import numpy as np
 import pytest
 
+from agents import others
 from agents.agent import Body, Goal, Percepts
 from agents.joint import JointAgent
-from agents.number import ONE
-from agents.others import first_seen
+from agents.number import MANY, ONE
+from agents.others import first_seen, left_by_others, links_of
 from bench.scale import write_arm
 from plant.faults import Fault
 from plant.kinematic import KinematicPlant
+from plant.kinematics import kinematics_of
 from plant.plant import Commands, Setup
 from runtime.config.deployment import load
 from studies.lockstep import decide_all, true_motion
@@ -76,6 +78,31 @@ def reach(folder, joints: int, *, delay: int = 0, count: int = 12, seconds: floa
 )
 def test_arms_of_few_and_many_joints_reach(tmp_path, joints, delay, seconds):
     assert (reach(tmp_path, joints, delay=delay, seconds=seconds) < 1e-3).mean() >= 0.9
+
+
+def left_by_a_sweep(robot, size: float = 1e-3):
+    """Return the shares of a small error that one step of all joints leaves, of bent arms."""
+    rng = np.random.default_rng(1)
+    q = rng.uniform(-2.5, 2.5, (200, robot.n)) / np.sqrt(robot.n)
+    forward = kinematics_of(robot).forward
+    arm, way = forward(q), rng.uniform(-np.pi, np.pi, 200)
+    goal = arm.tip + size * np.stack([np.cos(way), np.sin(way), 0 * way], -1)
+    links = links_of(Body(robot, 0, PERIOD, [1]))
+    _, changes = left_by_others(
+        MANY, links, 0, arm, (arm.tip_parts, None), tuple(goal.T), 1.0, 0.12, list(q.T),
+        [np.zeros(200)] * robot.n, [1.0] * robot.n, PERIOD, FADING,
+    )  # fmt: skip
+    there = forward(q + 0.12 * np.stack(changes, -1)).tip
+    return np.linalg.norm(there - goal, axis=-1) / size
+
+
+def test_a_sweep_over_many_joints_leaves_less_as_each_makes_but_a_share(tmp_path, monkeypatch):
+    robot = load(write_arm(tmp_path, 64)).description.robot
+    left = np.quantile(left_by_a_sweep(robot), (0.5, 0.9))
+    monkeypatch.setattr(others, "FEW", 64)
+    whole = np.quantile(left_by_a_sweep(robot), (0.5, 0.9))
+    assert left[0] < whole[0]
+    assert np.log(left[1]) < 2 * np.log(whole[1])  # in half as many sweeps
 
 
 def test_locked_joints_are_made_up_for(tmp_path):
