@@ -23,7 +23,7 @@ from runtime.spawning.identity import ProcessId, processes_in
 from runtime.spawning.ports import block_of, is_taken
 from runtime.spawning.trust import distrust, distrust_modules
 from runtime.wire.mesh import SLOTS
-from runtime.wire.topics import role_of_file
+from runtime.wire.topics import PLANT, role_of_file
 
 if TYPE_CHECKING:
     from runtime.config.deployment import Deployment  # tools that need not read one start sooner
@@ -171,12 +171,23 @@ def begin_run(deployment: "Deployment") -> "tuple[Deployment, Path]":
 def join_run(deployment: "Deployment", folder: Path | None = None) -> "tuple[Deployment, Path]":
     """Return the run that a process started by hand belongs to, and its deployment as resolved.
 
-    It is the one in that folder, or else the robot's newest that goes on here, or a new one.
+    It is the one in that folder, or else the robot's newest that goes on here, or a new one. The
+    ports of a run are those in its folder, also where nobody has noted it and its own plant has
+    them already.
     """
+    port = _port_in(folder) if folder else None
     with _alone():
-        deployment = _with_ports(deployment)
+        deployment = replace(deployment, port=port) if port else _with_ports(deployment)
         same = (run.folder for run in runs_of(deployment.robot) if run.port == deployment.port)
         return _enter(deployment, folder or next(same, None))
+
+
+def _port_in(folder: Path) -> int | None:
+    """Return the first port of the run in a folder, None if there is none yet."""
+    from runtime.config.deployment import load
+
+    file = folder / "deployment.yaml"
+    return load(file, only_role=PLANT).port if file.exists() else None
 
 
 def _enter(deployment: "Deployment", folder: Path | None) -> "tuple[Deployment, Path]":

@@ -128,6 +128,16 @@ def test_a_process_by_hand_joins_the_robot_s_run_or_begins_one(deployment: Deplo
     assert (third / "deployment.yaml").is_file()
 
 
+def test_a_process_by_hand_has_the_ports_of_the_run_in_its_folder(
+    deployment: Deployment, tmp_path: Path
+) -> None:
+    (tmp_path / "deployment.yaml").write_text(deployment.dump())
+    with socket.create_server((LOOPBACK, deployment.port)):  # as its plant does
+        assert join_run(deployment, tmp_path / "new")[0].port != deployment.port
+        joined, folder = join_run(deployment, tmp_path)
+        assert (joined.port, folder) == (deployment.port, tmp_path)
+
+
 def test_a_robot_whose_ports_another_has_takes_the_next_and_keeps_them(
     deployment: Deployment,
 ) -> None:
