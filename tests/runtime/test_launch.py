@@ -194,8 +194,12 @@ def test_an_interrupted_launch_ends_even_those_who_hang(robot: Robot) -> None:
 
 
 def test_a_second_launch_of_the_same_robot_fails_and_spares_the_first(robot: Robot) -> None:
+    def titles() -> set[str]:
+        return {line.split()[-1] for line in robot.processes().values() if line}
+
     first = robot.launch("--duration", "10min")
     robot.until(0.5)
+    wait_for(lambda: titles() >= {*ROLES}, "all to have their titles, also those that come late")
     before = robot.processes()
     code, said = robot.run("--duration", "4s")
     assert code == 1
