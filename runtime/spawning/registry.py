@@ -195,7 +195,9 @@ def _enter(deployment: "Deployment", folder: Path | None) -> "tuple[Deployment, 
         folder = (folder or new_run_folder(deployment.runs, deployment.robot)).absolute()
         folder.mkdir(parents=True, exist_ok=True)
         if not (file := folder / "deployment.yaml").exists():
-            file.write_text(deployment.dump(), encoding="utf-8")
+            new = file.with_suffix(f".{os.getpid()}")  # others find it as a whole or not at all
+            new.write_text(deployment.dump(), encoding="utf-8")
+            new.replace(file)
     except OSError as error:
         why = error.strerror or error
         raise RunError(f"the folder of the run cannot be written: {why}") from None

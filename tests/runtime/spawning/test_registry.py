@@ -138,6 +138,23 @@ def test_a_process_by_hand_has_the_ports_of_the_run_in_its_folder(
         assert (joined.port, folder) == (deployment.port, tmp_path)
 
 
+def test_what_a_run_s_first_process_still_writes_is_read_by_no_other(
+    deployment: Deployment, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By hand all are started at once, and those that come second looked into half a file."""
+    write, there = Path.write_text, []
+
+    def write_in_parts(path: Path, text: str, **more: str) -> int:
+        write(path, text[: len(text) // 2], **more)
+        there.append((tmp_path / "deployment.yaml").exists())
+        return write(path, text, **more)
+
+    monkeypatch.setattr(Path, "write_text", write_in_parts)
+    join_run(deployment, tmp_path)
+    assert there == [False]
+    assert load(tmp_path / "deployment.yaml").dump() == deployment.dump()
+
+
 def test_a_robot_whose_ports_another_has_takes_the_next_and_keeps_them(
     deployment: Deployment,
 ) -> None:
