@@ -58,8 +58,8 @@ def launch(robot: Robot, *options: str, nodes: str = NODES) -> None:
 
 def test_a_node_publishes_is_shown_and_ends_with_the_run(robot: Robot) -> None:
     file = deployment(robot.folder)
-    done = robot.msma("launch", file, "--robot", robot.name, "--speed", "2")
-    assert "goal reached" in done.stdout, done.stdout + done.stderr
+    _, said = robot.run_in_time(2, file=file)
+    assert "goal reached" in said, said
     (end,) = robot.log("camera", "end")
     assert end["code"] == 0
     over = robot.log("plant", "tick")[-1]["wall"]
@@ -98,9 +98,9 @@ def test_a_message_of_a_node_reaches_a_tool(robot: Robot) -> None:
 
 def test_a_node_that_fails_at_its_start_ends_no_run(robot: Robot) -> None:
     file = deployment(robot.folder, "nodes:\n  - {role: camera, class: own_camera:Broken}\n")
-    done = robot.msma("launch", file, "--robot", robot.name, "--speed", "2")
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert "there is no camera" in done.stdout
+    code, said = robot.run_in_time(2, file=file)
+    assert code == 0, said
+    assert "there is no camera" in said
 
 
 @pytest.mark.parametrize(
