@@ -23,7 +23,7 @@ from runtime.spawning.identity import ProcessId, processes_in
 from runtime.spawning.ports import block_of, is_taken
 from runtime.spawning.trust import distrust, distrust_modules
 from runtime.wire.mesh import SLOTS
-from runtime.wire.topics import PLANT, role_of_file
+from runtime.wire.topics import role_of_file
 
 if TYPE_CHECKING:
     from runtime.config.deployment import Deployment  # tools that need not read one start sooner
@@ -183,11 +183,18 @@ def join_run(deployment: "Deployment", folder: Path | None = None) -> "tuple[Dep
 
 
 def _port_in(folder: Path) -> int | None:
-    """Return the first port of the run in a folder, None if there is none yet."""
-    from runtime.config.deployment import load
+    """Return the first port of the run in a folder, None if there is none yet.
+
+    Nothing else is read: this host may lack the classes of other roles.
+    """
+    from runtime.config.deployment import Port
+    from runtime.config.reading import kind_of
+    from runtime.config.tree import read_file
 
     file = folder / "deployment.yaml"
-    return load(file, only_role=PLANT).port if file.exists() else None
+    node = read_file(file).children.get("port") if file.exists() else None
+    port: int | None = None if node is None else kind_of(Port).read(node, {})
+    return port
 
 
 def _enter(deployment: "Deployment", folder: Path | None) -> "tuple[Deployment, Path]":

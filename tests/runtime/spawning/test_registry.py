@@ -138,6 +138,15 @@ def test_a_process_by_hand_has_the_ports_of_the_run_in_its_folder(
         assert (joined.port, folder) == (deployment.port, tmp_path)
 
 
+def test_a_process_by_hand_needs_no_class_of_another_role(
+    deployment: Deployment, tmp_path: Path
+) -> None:
+    text = deployment.dump().replace("plant.kinematic:KinematicPlant", "not_here:Plant")
+    (tmp_path / "deployment.yaml").write_text(text)
+    assert "not_here:Plant" in text
+    assert join_run(deployment, tmp_path)[0].port == deployment.port
+
+
 def test_what_a_run_s_first_process_still_writes_is_read_by_no_other(
     deployment: Deployment, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
