@@ -1,6 +1,5 @@
 """Forward kinematics: where an arm is at given joint positions, for one arm or for thousands."""
 
-import math
 from collections.abc import Sequence
 from functools import cache, cached_property
 from typing import Any
@@ -9,7 +8,7 @@ import numpy as np
 
 from plant import scalar
 from plant.robot import Array, Joint, Numbers, Robot
-from plant.straight_line import Forward, forward_function
+from plant.straight_line import forward_functions
 
 Parts = tuple[Array, Array, Array]
 """x, y and z (...) of vectors (..., 3); floats of a single vector."""
@@ -31,7 +30,7 @@ class ArmPose:
         points: Sequence[Parts],
         axes: Sequence[Parts],
     ) -> None:
-        """Hold the result of a `forward_function`, for arms of the leading shape `batch`."""
+        """Hold the result of a `forward_functions`, for arms of the leading shape `batch`."""
         self.tip_parts = tip  # [m]
         self.rotation_parts = rotation  # the tip's rotation matrix, row by row (9)
         self.point_parts = points  # on each joint's axis: its frame's origin at position 0 [m]
@@ -85,7 +84,7 @@ class Kinematics:
     Each joint's frame is turned so that its axis is z. Past joint i the chain then goes on by
     Rz(q_i) L_i with a constant L_i, or by Tz(q_i) L_i where the joint slides. The base's heading
     is one more such angle, with its axis through the origin of the base's frame. This is written
-    out for the robot (`forward_function`): one arm goes through it in plain floats, many as
+    out for the robot (`forward_functions`): one arm goes through it in plain floats, many as
     arrays.
 
     The last result for many arms is kept and returned again for the same read-only arrays: in a
@@ -100,9 +99,9 @@ class Kinematics:
         links = align.transpose(0, 2, 1) @ offsets
         links[:-1] = links[:-1] @ align[1:]
         # each link's x, y, z and p, one after the other
-        self._columns = [tuple(link[:3].T.ravel().tolist()) for link in links]
-        self._sliding = frozenset(i for i, joint in enumerate(robot.joints, 1) if joint.slides)
-        self._of_one = forward_function(self._columns, math.cos, math.sin, self._sliding)
+        columns = [tuple(link[:3].T.ravel().tolist()) for link in links]
+        sliding = frozenset(i for i, joint in enumerate(robot.joints, 1) if joint.slides)
+        self._of_one, self._of_many = forward_functions(columns, sliding)
         self._last: tuple[Array, Array, ArmPose] | None = None
 
     def forward(self, q: Array, base: Array | None = None) -> ArmPose:
@@ -132,11 +131,6 @@ class Kinematics:
         batch = np.broadcast_shapes(q.shape[:-1], base.shape[:-1])
         place = base.tolist() if base.ndim == 1 else [base[..., i] for i in range(3)]
         return ArmPose(batch, *self._of_many(*place, *[q[..., i] for i in range(self.robot.n)]))
-
-    @cached_property
-    def _of_many(self) -> Forward:
-        """Compiled when it is needed, which it never is in an agent's process."""
-        return forward_function(self._columns, np.cos, np.sin, self._sliding)
 
     def frames(self, q: Array, base: Array | None = None) -> Array:
         """Return (..., 1 + n + m, 4, 4): the frames of base, joints and mimics in the world.

@@ -4,8 +4,11 @@ Most numbers of most links are 0 or 1. Products with these are left out, so that
 array of thousands, takes less than half the time of a loop over the links.
 """
 
+import math
 from collections.abc import Callable, Collection, Sequence
 from typing import Any
+
+import numpy as np
 
 Link = tuple[float, ...]
 """A link's x, y, z and p, as columns one after the other."""
@@ -13,26 +16,21 @@ Forward = Callable[..., tuple[Any, ...]]
 _ZERO, _ONE, _MINUS_ONE = "0.0", "1.0", "-1.0"
 
 
-def forward_function(
-    links: Sequence[Link],
-    cos: Callable[[Any], Any],
-    sin: Callable[[Any], Any],
-    sliding: Collection[int] = (),
-) -> Forward:
-    """Return a function that computes the forward kinematics of one robot.
+def forward_functions(
+    links: Sequence[Link], sliding: Collection[int] = ()
+) -> tuple[Forward, Forward]:
+    """Return functions that compute the forward kinematics of a robot: of floats, and of arrays.
 
-    It takes x, y [m] and heading [rad] of the base, and then the joint positions [rad or m]. It
-    returns tuples: the grip point (3), the rotation of the hand by rows (9), a point on each
+    Both take x, y [m] and heading [rad] of the base, and then the joint positions [rad or m]. They
+    return tuples: the grip point (3), the rotation of the hand by rows (9), a point on each
     joint's axis (n of 3), and the axes (n of 3). A number that is the same for all poses is a plain
     float.
 
     Args:
         links: From the base and from each joint to the next frame.
-        cos: The cosine of the numbers, or arrays, that the function is for.
-        sin: The sine of the same.
         sliding: Which links move along z instead of turning about it: i for joint i, from 1.
     """
-    code = _Code(cos, sin)
+    code = _Code()
     x, y, z = (_ONE, _ZERO, _ZERO), (_ZERO, _ONE, _ZERO), (_ZERO, _ZERO, _ONE)
     p: _Column = ("x", "y", _ZERO)
     points: list[_Column] = []
@@ -58,7 +56,7 @@ def forward_function(
     result = [_tuple(p), _tuple(rotation)]
     result += [_tuple([_tuple(each) for each in every[:-1]]) for every in (points, axes)]
     angles = [f"a{i}" for i in range(len(links))]
-    return code.function(["x", "y", *angles], result)
+    return code.functions(["x", "y", *angles], result)
 
 
 _Column = tuple[str, str, str]
@@ -67,9 +65,8 @@ _Column = tuple[str, str, str]
 class _Code:
     """Lines of a function, each of which gives a name to a number."""
 
-    def __init__(self, cos: Callable[[Any], Any], sin: Callable[[Any], Any]) -> None:
+    def __init__(self) -> None:
         self.lines: list[str] = []
-        self._scope: dict[str, Any] = {"cos": cos, "sin": sin}
 
     def column(self, name: str, weights: Sequence[str], columns: Sequence[_Column]) -> _Column:
         """Write down the sum of columns, each times its weight; return the names of its parts."""
@@ -85,13 +82,16 @@ class _Code:
         self.lines.append(f"{name} = {expression}")
         return name
 
-    def function(self, arguments: Sequence[str], result: Sequence[str]) -> Forward:
-        """Return the function."""
+    def functions(self, arguments: Sequence[str], result: Sequence[str]) -> tuple[Forward, Forward]:
+        """Return the function of floats, and that of arrays, of the same code."""
         last = f"return {_tuple(result)}"
         source = "\n    ".join([f"def forward({', '.join(arguments)}):", *self.lines, last])
-        exec(source, self._scope)  # of our own making: there are but numbers and names of ours
-        forward: Forward = self._scope["forward"]
-        return forward
+        code = compile(source, "<forward kinematics>", "exec")
+        of_floats: dict[str, Any] = {"cos": math.cos, "sin": math.sin}
+        of_arrays: dict[str, Any] = {"cos": np.cos, "sin": np.sin}
+        for scope in (of_floats, of_arrays):
+            exec(code, scope)  # of our own making: there are but numbers and names of ours
+        return of_floats["forward"], of_arrays["forward"]
 
 
 def _tuple(items: Sequence[str]) -> str:

@@ -1,6 +1,5 @@
 """Code written out for a chain of links, against the same chain as products of matrices."""
 
-import math
 from typing import Any
 
 import numpy as np
@@ -8,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from plant.robot import Array
-from plant.straight_line import Link, forward_function
+from plant.straight_line import Link, forward_functions
 
 # what is left out where it is 0 or 1 must come to the same; the columns need not be a rotation's
 weights = st.sampled_from([0.0, -0.0, 1.0, -1.0]) | st.floats(-2.0, 2.0, allow_subnormal=False)
@@ -47,12 +46,12 @@ def test_any_chain_comes_to_the_product_of_its_matrices(
         frame = frame @ about_z(angle) @ matrix(link)
         frames.append(frame)
     links, angles = zip(*chain, strict=True)
-    said = flat(forward_function(links, math.cos, math.sin)(x, y, *angles))
+    said = flat(forward_functions(links)[0](x, y, *angles))
     joints = np.array(frames[:-1])
     expected = [frame[:3, 3], frame[:3, :3], joints[:, :3, 3], joints[:, :3, 2]]
     np.testing.assert_allclose(said, np.concatenate([each.ravel() for each in expected]), atol=1e-9)
     alike = np.array([x, y, *angles])[:, None].repeat(3, 1)
-    many = flat(forward_function(links, np.cos, np.sin)(*alike))
+    many = flat(forward_functions(links)[1](*alike))
     for number, numbers in zip(said, many, strict=True):
         np.testing.assert_allclose(numbers, number, atol=1e-9)
 
@@ -60,6 +59,6 @@ def test_any_chain_comes_to_the_product_of_its_matrices(
 def test_what_is_multiplied_by_0_or_1_is_not_worked_out() -> None:
     plain = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
     general = (0.6, 0.8, 0.0, -0.8, 0.6, 0.0, 0.0, 0.0, 1.0, 0.1, 0.2, 0.3)
-    functions = [forward_function([link] * 3, math.cos, math.sin) for link in (plain, general)]
+    functions = [forward_functions([link] * 3)[0] for link in (plain, general)]
     sizes = [len(function.__code__.co_code) for function in functions]
     assert sizes[0] < sizes[1] / 2
