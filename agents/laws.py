@@ -73,7 +73,7 @@ class LineByModel:
         self._lever2, self._near = (LEVER * reach) ** 2, NEAR * reach
         self._stops = None if own.slides else Stops(own.lower, own.upper)
         self._part = part_of_step(body.robot.n)
-        self._kicks = Kicks(body, own, reach, horizon)
+        self._kicks = Kicks(body.robot, reach, horizon)
         self._last: Last | None = None
 
     def velocity(self, percepts: Percepts, goal: Goal, view: View) -> Array:
@@ -125,9 +125,9 @@ class LineByModel:
             off = arm.tip_parts, hand and turn_against(xp, hand, aim)
             missing = xp.sqrt(cost(off, aim.place, self._lever2))
             moving = xp.sqrt(moved(goes, turns, self._lever2))
-            kick = self._kicks.watched(xp, last.kick, _standing(goal), t, missing, moving, base)
+            kick = self._kicks.watched(xp, last.kick, goal, t, missing, moving, q, base, aim)
         if kick is not None:
-            step = xp.where(t < kick.until, kick.place - places[index], step)
+            step = xp.where(t < kick.until, kick.places[index] - places[index], step)
         self._last = Last(t, base, seen, changes, kick)
         own = self._links[index]
         velocity: Array = fading * going[index] + step / horizon
@@ -148,9 +148,3 @@ class LineByModel:
         share, turn = self._horizon / (t - last.t), heading - before
         turn = xp.atan2(xp.sin(turn), xp.cos(turn))
         return share * (x - before_x), share * (y - before_y), share * turn
-
-
-def _standing(goal: Goal) -> bytes:
-    """Return which goal that stands still it is."""
-    turned = b"" if goal.orientation is None else goal.orientation.tobytes()
-    return goal.position.tobytes() + turned

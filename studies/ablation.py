@@ -73,6 +73,7 @@ TERMS = (
     Term("a joint leaves its stop the long way", ("agents.stops:Stops.IN_VAIN",), np.inf, True),
     Term("a joint moves by chance", ("agents.kick:PATIENCE",), 1e9, True),
     Term("but not while its hand moves near the goal", ("agents.kick:SHAKEN",), 0.0, True),
+    Term("to the posture with the nearest hand, of some", ("agents.kick:POSTURES",), 1, True),
     Term("a joint brakes in time for a goal that stands", ("agents.laws:BRAKES",), 1e9, True),
     Term("what late commands do is expected to come", ("agents.others:CLEARLY",), 1e9, True),
     Term("what is far on the level is left to the platform", ("agents.laws:NEAR",), 1e9),

@@ -164,7 +164,7 @@ class Poses(Study[PosesFound]):
     def _beside(self, side: Side, arms: Posed) -> Array:
         assert side.make is not None
         locked = arms.locked if side.informed else None
-        controller = side.make(arms.robot, PERIOD, locked=locked, seed=self._seed)
+        controller = side.make(arms.robot, PERIOD, locked=locked)
         return settled(arms, play(arms, as_agents(controller, arms.robot), self._seed))
 
     def _following(self, count: int, progress: Progress) -> Iterator[Row]:

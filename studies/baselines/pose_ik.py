@@ -5,10 +5,10 @@ One controller sees all joints and moves the hand towards its goal at `RATE` tim
     K e = J v,    v within min(top speed, acceleration / K),
 
 so that each joint can brake in time. Error and cost are those of MSMA's law (`agents/markers.py`):
-metres, with orientation on the lever `LEVER`. Towards goals that stand, each joint also makes the
-random moves of `agents/kick.py`, by the same rule and with the same constants as MSMA's joints; the
-others go on meanwhile. A controller that is told of locked joints plans without them; one that is
-not told takes them as sound.
+metres, with orientation on the lever `LEVER`. Towards goals that stand, the joints also make the
+random moves of `agents/kick.py`, by the same rule and with the same constants as MSMA's joints. A
+controller that is told of locked joints plans without them, and draws postures as they stand; one
+that is not told takes them as sound, and learns of them by its moves by chance as MSMA's joints do.
 
 K and the damping were tuned for damped least squares on eight arms of each of the seeds 0 to 9: to
 a pose with UR5, Panda, Stretch and ARPH, and with one joint locked, told and not told, with the
@@ -24,7 +24,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from agents.agent import Array, Body, Joints, Percepts
+from agents.agent import Array, Body, Goal, Joints, Percepts
 from agents.kick import Kick, Kicks
 from agents.markers import (
     LEVER,
@@ -39,7 +39,6 @@ from agents.markers import (
     turned_against,
 )
 from agents.number import components
-from agents.others import links_of
 from plant.kinematics import ArmPose, kinematics_of
 from plant.plant import Commands
 from plant.robot import Robot
@@ -57,37 +56,23 @@ AT_STOP = 1e-6
 """Distance from its stop at which a joint goes no farther [rad or m]."""
 
 
-def ranges(robot: Robot) -> tuple[Array, Array]:
-    """Return the bounds (n,), (n,) between which postures are drawn [rad or m].
-
-    That is each joint's range, or a full turn about its middle where it can turn by more.
-    """
-    slides = np.array([joint.slides for joint in robot.joints])
-    half = np.minimum((robot.upper - robot.lower) / 2, np.where(slides, np.inf, np.pi))
-    middle = np.minimum(np.maximum(0.0, robot.lower + half), robot.upper - half)
-    return middle - half, middle + half
-
-
 class PoseController(CentralController):
     """Moves the hands of B arms to their goals."""
 
     def __init__(
-        self, robot: Robot, period: float, *, locked: Bools | None = None, seed: int = 0,
-        damping: float = DAMPING,
-    ) -> None:  # fmt: skip
+        self, robot: Robot, period: float, *, locked: Bools | None = None, damping: float = DAMPING
+    ) -> None:
         """Control all joints, and the platform if there is one.
 
         Args:
             robot: The arm.
             period: Control period [s].
             locked: (B, n) the joints that it is told are locked; None if it is told nothing.
-            seed: Of the random moves.
             damping: See `DAMPING`.
         """
         self._robot, self._period = robot, period
         self._kinematics = kinematics_of(robot)
-        body = Body(robot, 0, period, seed)
-        self._reach = reach_of(body)
+        self._reach = reach_of(Body(robot, 0, period, 0))
         self._lever = LEVER * self._reach
         speed, acceleration = robot.max_speed, robot.max_acceleration
         if robot.drive is not None:
@@ -96,7 +81,7 @@ class PoseController(CentralController):
         self._top = np.minimum(speed, acceleration / RATE)
         self._locked = locked
         self._damping = (damping * self._reach) ** 2
-        self._chance = RandomMoves(robot, self._reach, seed)
+        self._chance = RandomMoves(robot, self._reach, locked)
 
     def commands(self, percepts: Percepts) -> Commands:
         """Return the commands of all motors; percepts must have joints and a goal."""
@@ -112,9 +97,7 @@ class PoseController(CentralController):
         rests = np.zeros(distance.shape, dtype=bool) if moves else distance < ARRIVED
         velocity = self._velocity(q, base, arm, off, aim, rests)
         if not moves:
-            by_chance, speed = self._chance.moves(t, distance, arm, joints, base)
-            if self._locked is not None:
-                by_chance &= ~self._locked
+            by_chance, speed = self._chance.moves(t, distance, arm, joints, base, goal, aim)
             velocity[..., :n] = np.where(by_chance, speed, velocity[..., :n])
         velocity[rests] = 0.0
         drive = self._robot.drive
@@ -199,26 +182,25 @@ class ForwardLeastSquares(DampedLeastSquares):
 
 
 class RandomMoves:
-    """The moves by chance of B arms, each joint for itself, as MSMA's joints make them."""
+    """The moves by chance of B arms, as MSMA's joints make them."""
 
     HORIZON = 0.12
-    """That of `JointAgent` by default [s]: in which it is to be at the place, and by which
+    """That of `JointAgent` by default [s]: in which a joint is to be at its place, and by which
     patience counts."""
 
-    def __init__(self, robot: Robot, reach: float, seed: int) -> None:
-        """Move the joints of arms that reach that far [m]."""
-        bodies = [Body(robot, joint, 0.0, [seed, joint]) for joint in range(robot.n)]
-        self._joints = [
-            Kicks(body, link, reach, self.HORIZON)
-            for body, link in zip(bodies, links_of(bodies[0]), strict=True)
-        ]
-        self._kicks: list[Kick | None] = [None] * robot.n
+    def __init__(self, robot: Robot, reach: float, locked: Bools | None) -> None:
+        """Move the joints of arms that reach that far [m], but for those that are told locked."""
+        self._kicks = Kicks(robot, reach, self.HORIZON)
+        self._kick: Kick | None = None
+        self._locked = np.zeros(robot.n, dtype=bool) if locked is None else locked
+        self._told = None if locked is None else components(np.where(locked, 0.0, 1.0))
         self._slides, self._lever2 = [joint.slides for joint in robot.joints], (LEVER * reach) ** 2
         self._top = robot.max_speed
 
     def moves(
-        self, t: float, distance: Array, arm: ArmPose, joints: Joints, base: Array | None
-    ) -> tuple[Bools, Array]:
+        self, t: float, distance: Array, arm: ArmPose, joints: Joints, base: Array | None,
+        goal: Goal, aim: Aim,
+    ) -> tuple[Bools, Array]:  # fmt: skip
         """Return which joints (B, n) move by chance now, and their speeds [rad/s or m/s].
 
         Args:
@@ -227,14 +209,16 @@ class RandomMoves:
             arm: The arms.
             joints: (B, n) their joints' positions and speeds.
             base: (B, 3) platform poses [m], [rad]; None of bolted arms.
+            goal: Of each arm, which stands still.
+            aim: Where the hands should be.
         """
         q, steps = joints.position, components(self.HORIZON * joints.velocity)
         place = None if base is None else components(base)
         moving = np.sqrt(moved(*moved_by(arm, self._slides, steps, None, None), self._lever2))
-        going, speeds = np.zeros(q.shape, dtype=bool), np.zeros(q.shape)
-        for i, joint in enumerate(self._joints):
-            after = joint.watched(np, self._kicks[i], b"", t, distance, moving, place)
-            self._kicks[i] = after
-            going[..., i] = t < np.asarray(after.until)
-            speeds[..., i] = (after.place - q[..., i]) / self.HORIZON
+        kick = self._kicks.watched(
+            np, self._kick, goal, t, distance, moving, components(q), place, aim
+        )
+        self._kick = kick if self._told is None else kick._replace(made=self._told)
+        going = (t < np.asarray(kick.until))[..., None] & ~self._locked
+        speeds = (np.stack(kick.places, axis=-1) - q) / self.HORIZON
         return going, np.clip(speeds, -self._top, self._top)

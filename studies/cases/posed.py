@@ -7,6 +7,7 @@ import numpy as np
 
 from agents.agent import Agent, Array, Body, Goal
 from agents.joint import JointAgent
+from agents.kick import ranges
 from agents.markers import aim_at, angle_off
 from agents.platform import PlatformAgent
 from plant.kinematic import KinematicPlant
@@ -16,7 +17,7 @@ from plant.plant import Commands, Setup
 from plant.robot import Drive, Robot
 from plant.urdf import load
 from studies.baselines.central import as_agents
-from studies.baselines.pose_ik import DampedLeastSquares, ranges
+from studies.baselines.pose_ik import DampedLeastSquares
 from studies.batch_faults import BatchFaults, BatchPlant
 from studies.lockstep import Trace, run
 from studies.mobile import BEARING

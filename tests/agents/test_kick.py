@@ -1,26 +1,55 @@
-"""When a joint moves by chance."""
+"""When the joints of an arm move by chance, and where to."""
 
+import numpy as np
 import pytest
 
-from agents.agent import Body
-from agents.kick import Kicks
-from agents.number import ONE
-from agents.others import links_of
+from agents.agent import Goal
+from agents.kick import Kicks, ranges
+from agents.markers import aim_at, place_at
+from agents.number import MANY, ONE
+from plant.kinematics import kinematics_of
 
 HORIZON = 0.12
+STILL = Goal(np.array([0.4, 0.1, 0.6]), np.zeros(3), 0.0, 0.0)
+SOMEWHERE = 0.1, 0.4, 0.9, 0.2, 0.3, 0.1
+
+
+class Arm:
+    """An arm whose joints may move by chance, as one of them sees it."""
+
+    def __init__(self, robot, xp=ONE, goal=STILL):
+        self._kicks, self._xp, self._goal = Kicks(robot, 1.0, HORIZON), xp, goal
+        self.kick = None
+
+    def watch(self, t, distance, moving=0.0, q=SOMEWHERE, base=None):
+        """Look once, and return whether it begins to move."""
+        before, goal = self.kick, self._goal
+        aim = aim_at(self._xp, goal, t)
+        self.kick = self._kicks.watched(self._xp, before, goal, t, distance, moving, q, base, aim)
+        return before is not None and np.any(self.kick.until != before.until)
+
+    def until_it_moves(self, t, q=SOMEWHERE):
+        """Look on from a time until it begins to move, and return when."""
+        while not self.watch(t, 0.5, q=q):
+            t += 0.01
+        return t
+
+
+def away(robot, places):
+    """How far the hand of a posture is from the goal."""
+    tip = kinematics_of(robot).forward(np.asarray(places)).tip
+    return np.linalg.norm(tip - place_at(STILL, 0.0), axis=-1)
 
 
 @pytest.mark.parametrize("way", range(3))
 @pytest.mark.parametrize(("speed", "moves"), [(0.0, True), (0.02, True), (0.3, False)])
-def test_a_joint_moves_by_chance_unless_the_platform_carries_the_arm_on(body, way, speed, moves):
+def test_a_joint_moves_by_chance_unless_the_platform_carries_the_arm_on(arph, way, speed, moves):
     """A platform that only creeps does not: an arm would wait for it for ever."""
-    robot = body(0)
-    kicks, kick = Kicks(robot, links_of(robot)[0], 1.0, HORIZON), None
+    arm = Arm(arph)
     for tick in range(200):
         t = 0.01 * tick
-        base = tuple(speed * t if axis == way else 0.0 for axis in range(3))
-        kick = kicks.watched(ONE, kick, b"", t, 0.1, 0.0, base)
-    assert (kick.until > 0.0) is moves
+        arm.watch(t, 0.1, base=tuple(speed * t if axis == way else 0.0 for axis in range(3)))
+    assert (arm.kick.until > 0.0) is moves
 
 
 @pytest.mark.parametrize(("distance", "moving", "moves"), [
@@ -28,41 +57,76 @@ def test_a_joint_moves_by_chance_unless_the_platform_carries_the_arm_on(body, wa
     (0.001, 0.0, False),
 ])  # fmt: skip
 def test_a_joint_moves_by_chance_where_a_hand_near_its_goal_is_at_rest(
-    body, distance, moving, moves
+    arph, distance, moving, moves
 ):
     """What moves a hand that near is another motor: to be made good, not to be got away from."""
-    robot = body(0)
-    kicks, kick = Kicks(robot, links_of(robot)[0], 1.0, HORIZON), None
+    arm = Arm(arph)
     for tick in range(1000):
-        kick = kicks.watched(ONE, kick, b"", 0.01 * tick, distance, moving, None)
-    assert (kick.until > 0.0) is moves
+        arm.watch(0.01 * tick, distance, moving)
+    assert (arm.kick.until > 0.0) is moves
 
 
 def test_all_joints_that_see_the_same_hand_move_by_chance_at_once(arph):
     """Else the move of one is the next one's reason to move, and they go on for seconds.
 
-    So they also end at once, as fast as each is, and are not drawn anew meanwhile.
+    So they also end at once, as fast as each is, and are not drawn anew meanwhile. All go to the
+    same posture, and to another one each time.
     """
     moves = []
-    for number in range(arph.n):
-        robot = Body(arph, number, 0.06, [7, number])
-        kicks, kick, since = Kicks(robot, links_of(robot)[number], 1.0, HORIZON), None, []
+    for _ in range(arph.n):
+        arm, since = Arm(arph), []
         for tick in range(2000):
-            before = kick
+            before = arm.kick
             distance = 0.5 if tick % 150 < 100 else 0.5 - 0.01 * (tick % 150 - 100)
-            kick = kicks.watched(ONE, kick, b"", 0.01 * tick, distance, 0.0, None)
-            if before is not None and kick.until != before.until:
+            if arm.watch(0.01 * tick, distance):
                 assert before.until < 0.01 * tick
-                since.append((tick, kick.until))
+                since.append((tick, arm.kick.until, arm.kick.places))
         moves.append(since)
-    assert len(moves[0]) > 3
+    assert len({places for _, _, places in moves[0]}) == len(moves[0]) > 3
     assert all(each == moves[0] for each in moves)
 
 
-def test_a_joint_does_not_move_by_chance_while_its_hand_still_goes_away(body):
+@pytest.mark.parametrize("stuck", [None, 0, 1, 2])
+def test_joints_go_to_a_posture_whose_hand_is_near(arph, stuck):
+    """The nearest one of some, so that there is little left to do.
+
+    One that did not move is expected to stand, but has a place to go to all the same: so others
+    see it when it can move again.
+    """
+    rng = np.random.default_rng(1)
+    postures = rng.uniform(*ranges(arph), (1000, arph.n))
+
+    def in_fact(places):
+        """The posture that these places lead to."""
+        places = np.array(places)
+        if stuck is not None:
+            assert np.all(places[..., stuck] != SOMEWHERE[stuck])
+            places[..., stuck] = SOMEWHERE[stuck]
+        return places
+
+    usual = np.median(away(arph, in_fact(postures)))
+    arm, near = Arm(arph), []
+    t = arm.until_it_moves(0.0)
+    for _ in range(20):
+        t = arm.until_it_moves(t, q=tuple(in_fact(arm.kick.places).tolist()))
+        near.append(away(arph, in_fact(arm.kick.places)))
+    assert np.median(near) < usual / 2
+
+
+def test_of_many_arms_those_move_that_come_no_nearer(arph):
+    goal = Goal(np.tile(STILL.position, (3, 1)), np.zeros((3, 3)), 0.0, 0.0)
+    arm, q = Arm(arph, MANY, goal), tuple(np.full(3, x) for x in SOMEWHERE)
+    for tick in range(100):
+        arm.watch(0.01 * tick, np.array([0.5, 0.9 - 0.008 * tick, 0.5]), np.zeros(3), q)
+    assert (arm.kick.until > 0.0).tolist() == [True, False, True]
+    places = np.stack(arm.kick.places, axis=-1)
+    np.testing.assert_array_equal(places[1], SOMEWHERE)
+    assert not np.isin(places[0], places[2]).any()
+
+
+def test_a_joint_does_not_move_by_chance_while_its_hand_still_goes_away(arph):
     """As after a move, whose speeds fade: it is another approach, and has hardly begun."""
-    robot = body(0)
-    kicks, kick = Kicks(robot, links_of(robot)[0], 1.0, HORIZON), None
+    arm = Arm(arph)
     for tick in range(200):
-        kick = kicks.watched(ONE, kick, b"", 0.01 * tick, 0.1 + 0.005 * tick, 0.0, None)
-    assert kick.until < 0.0
+        arm.watch(0.01 * tick, 0.1 + 0.005 * tick)
+    assert arm.kick.until < 0.0

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from agents.agent import Array, Goal, Joints, Percepts
+from agents.kick import ranges
 from plant.kinematic import KinematicPlant
 from plant.kinematics import kinematics_of, quaternion
 from plant.plant import Commands, Setup
@@ -16,7 +17,6 @@ from studies.baselines.pose_ik import (
     DampedLeastSquares,
     ForwardLeastSquares,
     PoseController,
-    ranges,
 )
 from studies.cases import posed as cases
 from studies.cases.posed import (
