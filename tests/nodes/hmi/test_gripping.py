@@ -132,10 +132,13 @@ class Watched:
         return self.last
 
 
-def hold_until(browser: Browser, moved: Callable[[], bool], **fields: object) -> None:
+def hold_until(
+    browser: Browser, gripper: Watched, moved: Callable[[], bool], **fields: object
+) -> None:
     """Hold a button until the fingers have moved, and let go.
 
-    It is pressed again if its press ends before, as on a machine that is too busy to hold it.
+    It is pressed again if its press ends before, as on a machine that is too busy to hold it, but
+    not before the page has seen where the fingers have come to rest: a press begins there.
     """
     deadline = time.monotonic() + DEADLINE
     while time.monotonic() < deadline and not moved():
@@ -146,8 +149,9 @@ def hold_until(browser: Browser, moved: Callable[[], bool], **fields: object) ->
                 return any(one["press"] == press for one in found)
 
             wait_for(lambda: moved() or ended(), "the fingers to move")
+        wait_for(lambda: browser.last["you"]["press"] == 0, "the release")
+        gripper.after(1.0)
     assert moved(), browser.all[-5:]
-    wait_for(lambda: browser.last["you"]["press"] == 0, "the release")
 
 
 def test_fingers_move_while_a_button_is_held_and_stop_when_it_is_let_go(
@@ -159,17 +163,19 @@ def test_fingers_move_while_a_button_is_held_and_stop_when_it_is_let_go(
         browser = stack.enter_context(Browser(address))
         assert browser.last["hello"]["gripper"]
         browser.begin("shared")
-        hold_until(browser, lambda: gripper.last.opening < 0.09, grip=-0.2)
-        still = gripper.after(1.0).opening
+        hold_until(browser, gripper, lambda: gripper.last.opening < 0.09, grip=-0.2)
+        still = gripper.last.opening
         assert 0.0 < still < 0.09
         assert gripper.after(1.0).opening == still
-        hold_until(browser, lambda: gripper.last.opening > still + 0.005, grip=0.2)
-        still = gripper.after(1.0).opening
+        hold_until(browser, gripper, lambda: gripper.last.opening > still + 0.005, grip=0.2)
+        still = gripper.last.opening
         assert gripper.after(1.0).opening == still
 
         browser.begin("manual")
         more = {"mode": "manual", "part": "platform"}
-        hold_until(browser, lambda: gripper.last.opening < still - 0.005, grip=-0.2, **more)
+        hold_until(
+            browser, gripper, lambda: gripper.last.opening < still - 0.005, grip=-0.2, **more
+        )
         with browser.holding(0.0, 0.0, grip=-0.2, **more):
             assert browser.ask("halt")["confirmed"]
             halted = gripper.after(1.0).opening
