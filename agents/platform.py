@@ -72,6 +72,7 @@ class Memory(NamedTuple):
         moved: (..., n) mean squares of the joints' speeds.
         ease: (...) by what the hand is carried past its goal [m], as the platform faces.
         urge: (...) power of e by which an error counts more that a plan leaves.
+        share: (...) of the plan's speeds that it makes.
         plan: (..., M, 2), now: (..., 2) the speeds when it was made, as shares of the tops.
     """
 
@@ -81,6 +82,7 @@ class Memory(NamedTuple):
     moved: Array
     ease: Places
     urge: Array
+    share: Array
     plan: Array
     now: Array
 
@@ -205,7 +207,7 @@ class PlatformAgent(Agent):
 
         As shares of the greatest speeds: never negative, and more of a drive that gives less.
         """
-        soon = memory.plan[..., 0, :]
+        soon = memory.share[..., None] * memory.plan[..., 0, :]
         if self._avoiding is not None:
             soon = soon * self._avoiding.shares
         wanted = memory.now + min(share, 1.0) * (soon - memory.now)
@@ -250,7 +252,7 @@ class PlatformAgent(Agent):
         where = _flat(aim), _flat(velocity)
         if old is None:
             zero = np.zeros(held.shape)
-            past = t, hand, Way.begun(*where), np.zeros(1), zero, zero
+            past = t, hand, Way.begun(*where), np.zeros(1), zero, zero, zero
             old = Memory(*past, None, None)  # type: ignore[arg-type]
         end = self._planner.times
         # the goal goes on, on a circle if its way has bent
@@ -297,6 +299,10 @@ class PlatformAgent(Agent):
         vain = little & idle & (turned is None)
         urge = old.urge + elapsed / self._unit * np.where(vain, 1 / SOON, -1.0)
         urge = np.where(moves, 0.0, urge.clip(0.0, URGES))
+        # an arm with a locked joint loses what it holds to a platform that turns after a trifle
+        share = np.ones(moves.shape)
+        if turned is not None:
+            share = np.where(moves, share, (whole / (TRIFLE * self._length)).clip(0.0, 1.0) ** 2)
         lasts = END * self._unit * np.exp(urge)[..., None]
         now = own.speed.clip(FORWARD, 1.0)
         before = None if old.plan is None else self._planner.later(old.plan, elapsed)
@@ -308,7 +314,7 @@ class PlatformAgent(Agent):
         plan = yield from self._planner.plan(course, before)
         if self._avoiding is not None:
             self.trouble = self._avoiding.limited(base, plan[0] * self._top, off)
-        return Memory(t, hand, way, moved, ease, urge, plan, now)
+        return Memory(t, hand, way, moved, ease, urge, share, plan, now)
 
     def _turned(
         self, view: View, goal: Goal, t: float, missing: Array

@@ -93,6 +93,22 @@ def test_a_baseline_brings_the_hand_to_a_pose_nearby(
     assert (since < 4.0).all()
 
 
+def test_a_platform_leaves_a_pose_to_the_arm_that_holds_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its turns after a trifle were more than an arm with a locked joint could make good.
+
+    From 0.01 mm on, the hand went off by a third more each second.
+    """
+    robot = load("arph")
+    q = np.array([[0.567, 1.405, -1.994, 0.92, -1.809, 1.701]])
+    hand = kinematics_of(robot).forward(q)
+    place = hand.tip + np.array([0.001, 0.0, 0.0])
+    goal = Goal(place, np.zeros((1, 3)), 0.0, 0.0, quaternion(hand.rotation))
+    arms = cases.Posed(robot, q, goal, np.arange(robot.n) == 2 * np.ones((1, 1)))
+    monkeypatch.setattr(cases, "DURATION", 15.0)
+    off = play(arms, team(robot, cases.PERIOD, 0), 0).error[:, 0]
+    assert off[-1] < off[len(off) // 3] < off[0]
+
+
 @pytest.mark.parametrize("make", CONTROLLERS)
 def test_a_baseline_that_is_told_does_not_move_a_locked_joint(make: type[PoseController]) -> None:
     robot = TELESCOPE.load()
