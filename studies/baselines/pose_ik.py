@@ -193,7 +193,7 @@ class RandomMoves:
         self._kicks = Kicks(robot, reach, self.HORIZON)
         self._kick: Kick | None = None
         self._locked = np.zeros(robot.n, dtype=bool) if locked is None else locked
-        self._told = None if locked is None else components(np.where(locked, 0.0, 1.0))
+        self._made = None if locked is None else components(np.where(locked, 0.0, 1.0))
         self._slides, self._lever2 = [joint.slides for joint in robot.joints], (LEVER * reach) ** 2
         self._top = robot.max_speed
 
@@ -218,7 +218,7 @@ class RandomMoves:
         kick = self._kicks.watched(
             np, self._kick, goal, t, distance, moving, components(q), place, aim
         )
-        self._kick = kick if self._told is None else kick._replace(made=self._told)
+        self._kick = kick if self._made is None else kick._replace(made=self._made)
         going = (t < np.asarray(kick.until))[..., None] & ~self._locked
         speeds = (np.stack(kick.places, axis=-1) - q) / self.HORIZON
         return going, np.clip(speeds, -self._top, self._top)
