@@ -21,7 +21,7 @@ from zlib import crc32
 import numpy as np
 
 from agents.agent import Array, Goal
-from agents.markers import LEVER, Aim, cost, turned_against
+from agents.markers import LEVER, aim_at, cost, turned_against
 from agents.number import Namespace, Number, Vector, components
 from agents.others import TINY
 from plant.kinematics import kinematics_of
@@ -107,7 +107,6 @@ class Kicks:
         moving: Number,
         q: tuple[Number, ...],
         base: Vector | None,
-        aim: Aim,
     ) -> Kick:
         """Return the memory after a look at `t` [s]; the joints move by chance while t < `until`.
 
@@ -121,7 +120,6 @@ class Kicks:
                 of `markers.moved`: one that only turns is not at rest either.
             q: (n) positions of all joints [rad or m].
             base: x, y [m] and heading [rad] of the platform; None on a bolted arm.
-            aim: Where the hand should be.
         """
         name = _name(goal)
         if kick is None or kick.goal != name:
@@ -145,7 +143,7 @@ class Kicks:
         patience = patience * max((t - stands) / (RARER * self._horizon), 1.0)
         goes = (t - since > patience) & (distance > self._reached)
         if xp.any(goes):
-            drawn = self._posture(np.asarray(goes), name, t, q, made, base, aim)
+            drawn = self._posture(np.asarray(goes), goal, t, q, made, base)
             until = xp.where(goes, t + self._lasts, until)
             begun, places = (
                 tuple(xp.where(goes, *two) for two in zip(*each, strict=True))
@@ -155,30 +153,30 @@ class Kicks:
         return Kick(name, stands, reference, since, until, begun, places, made, before)
 
     def _posture(
-        self, goes: Array, goal: bytes, t: float, q: tuple[Number, ...], made: tuple[Number, ...],
-        base: Vector | None, aim: Aim,
+        self, goes: Array, goal: Goal, t: float, q: tuple[Number, ...], made: tuple[Number, ...],
+        base: Vector | None,
     ) -> tuple[Number, ...]:  # fmt: skip
         """Return where the joints (n) of the arms that move now go [rad or m]; 0 of the others.
 
         Args:
             goes: (...) which arms do.
-            goal: Which one stands still, as bytes.
+            goal: The one that stands still.
             t: Plant time [s].
             q: (n) positions of all joints [rad or m].
             made: (n) the share of its way that each is expected to make.
             base: x, y [m] and heading [rad] of the platform; None on a bolted arm.
-            aim: Where the hand should be.
         """
 
         def of_those(numbers: tuple[Number, ...]) -> Any:
             return tuple(np.broadcast_to(x, goes.shape)[goes][:, None] for x in numbers)
 
-        rng = np.random.default_rng(crc32(goal + b"%d" % (t // self._lasts)))
+        rng = np.random.default_rng(crc32(_name(goal) + b"%d" % (t // self._lasts)))
         chance = rng.random((*goes.shape, POSTURES, len(q)))[goes]
         places = self._low + (self._high - self._low) * chance
         here, shares = (np.stack(of_those(each), axis=-1) for each in (q, made))
         at = None if base is None else np.stack(of_those(base), axis=-1)
         arm = self._kinematics.forward(here + shares * (places - here), at)
+        aim = aim_at(np, goal, t)
         aim = aim._replace(place=of_those(aim.place), turn=aim.turn and of_those(aim.turn))
         off = arm.tip_parts, turned_against(np, arm, aim)
         nearest = np.argmin(cost(off, aim.place, self._lever2), axis=-1)

@@ -125,7 +125,7 @@ class LineByModel:
             off = arm.tip_parts, hand and turn_against(xp, hand, aim)
             missing = xp.sqrt(cost(off, aim.place, self._lever2))
             moving = xp.sqrt(moved(goes, turns, self._lever2))
-            kick = self._kicks.watched(xp, last.kick, goal, t, missing, moving, q, base, aim)
+            kick = self._kicks.watched(xp, last.kick, goal, t, missing, moving, q, base)
         if kick is not None:
             step = xp.where(t < kick.until, kick.places[index] - places[index], step)
         self._last = Last(t, base, seen, changes, kick)

@@ -30,7 +30,7 @@ class ArmPose:
         points: Sequence[Parts],
         axes: Sequence[Parts],
     ) -> None:
-        """Hold the result of a `forward_functions`, for arms of the leading shape `batch`."""
+        """Hold the result of one of `forward_functions`, for arms of the leading shape `batch`."""
         self.tip_parts = tip  # [m]
         self.rotation_parts = rotation  # the tip's rotation matrix, row by row (9)
         self.point_parts = points  # on each joint's axis: its frame's origin at position 0 [m]

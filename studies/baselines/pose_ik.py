@@ -97,7 +97,7 @@ class PoseController(CentralController):
         rests = np.zeros(distance.shape, dtype=bool) if moves else distance < ARRIVED
         velocity = self._velocity(q, base, arm, off, aim, rests)
         if not moves:
-            by_chance, speed = self._chance.moves(t, distance, arm, joints, base, goal, aim)
+            by_chance, speed = self._chance.moves(t, distance, arm, joints, base, goal)
             velocity[..., :n] = np.where(by_chance, speed, velocity[..., :n])
         velocity[rests] = 0.0
         drive = self._robot.drive
@@ -199,7 +199,7 @@ class RandomMoves:
 
     def moves(
         self, t: float, distance: Array, arm: ArmPose, joints: Joints, base: Array | None,
-        goal: Goal, aim: Aim,
+        goal: Goal,
     ) -> tuple[Bools, Array]:  # fmt: skip
         """Return which joints (B, n) move by chance now, and their speeds [rad/s or m/s].
 
@@ -210,14 +210,11 @@ class RandomMoves:
             joints: (B, n) their joints' positions and speeds.
             base: (B, 3) platform poses [m], [rad]; None of bolted arms.
             goal: Of each arm, which stands still.
-            aim: Where the hands should be.
         """
         q, steps = joints.position, components(self.HORIZON * joints.velocity)
         place = None if base is None else components(base)
         moving = np.sqrt(moved(*moved_by(arm, self._slides, steps, None, None), self._lever2))
-        kick = self._kicks.watched(
-            np, self._kick, goal, t, distance, moving, components(q), place, aim
-        )
+        kick = self._kicks.watched(np, self._kick, goal, t, distance, moving, components(q), place)
         self._kick = kick if self._made is None else kick._replace(made=self._made)
         going = (t < np.asarray(kick.until))[..., None] & ~self._locked
         speeds = (np.stack(kick.places, axis=-1) - q) / self.HORIZON

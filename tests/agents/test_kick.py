@@ -5,7 +5,7 @@ import pytest
 
 from agents.agent import Goal
 from agents.kick import Kicks, ranges
-from agents.markers import aim_at, place_at
+from agents.markers import place_at
 from agents.number import MANY, ONE
 from plant.kinematics import kinematics_of
 
@@ -23,9 +23,8 @@ class Arm:
 
     def watch(self, t, distance, moving=0.0, q=SOMEWHERE, base=None):
         """Look once, and return whether it begins to move."""
-        before, goal = self.kick, self._goal
-        aim = aim_at(self._xp, goal, t)
-        self.kick = self._kicks.watched(self._xp, before, goal, t, distance, moving, q, base, aim)
+        before = self.kick
+        self.kick = self._kicks.watched(self._xp, before, self._goal, t, distance, moving, q, base)
         return before is not None and np.any(self.kick.until != before.until)
 
     def until_it_moves(self, t, q=SOMEWHERE):
