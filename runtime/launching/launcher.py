@@ -141,6 +141,7 @@ class Launcher:
             if end := self._watcher.clock.end(of, now):
                 why = end[0]
                 break
+        self._show_page()  # it may have come since the last frame
         if self._shutdown.reason is None:
             journal.check_left(schedule.left)
         return why

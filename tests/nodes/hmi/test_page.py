@@ -223,6 +223,10 @@ def test_msma_web_finds_the_page_of_a_robot_that_runs(web_robot: WebRobot) -> No
     file = str(ROOT / "deploy" / "arph-web.yaml")
     said = web_robot.msma_web(file, "--robot", web_robot.name)
     assert said.stdout.splitlines()[0] == f"page: {address.page}"
+
+
+def test_a_run_interrupted_as_its_page_comes_says_where_it_was(web_robot: WebRobot) -> None:
+    address = web_robot.begin()
     (launcher,) = web_robot._started
     launcher.send_signal(signal.SIGINT)
     out, _ = launcher.communicate(timeout=60.0)
