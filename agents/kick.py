@@ -10,7 +10,9 @@ that an arm does not move for ever after what cannot be reached.
 
 Where to is by chance too, but by the same chance for all: each draws some postures of the whole
 arm, from the goal and the time, and goes where it has to be for the one whose hand is the nearest.
-So they choose the same one, though nobody says so. What a joint made of its last move is what it is
+So they choose the same one, though nobody says so. On a platform only the height and the tilt of
+the hand count in that: its place on the level, and its turn about the upright, the platform makes
+good, while the bend of the arm is the joints' own. What a joint made of its last move is what it is
 expected to make of the next: of one that did not move, postures are drawn as it stands. Nothing is
 solved for: a posture is drawn, and its hand is where forward kinematics has it.
 """
@@ -95,6 +97,9 @@ class Kicks:
         self._close, self._reached = CLOSE[0] * reach, REACHED * reach
         self._shaken, self._lever2 = SHAKEN * reach, (LEVER * reach) ** 2
         self._low, self._high = ranges(robot)
+        self._lower, self._upper = robot.lower, robot.upper
+        slides = [joint.slides for joint in robot.joints]
+        self._turn = np.where(slides, 0.0, 2.0 * np.pi)  # [rad] after which a joint is as before
         slowest = float(np.max((self._high - self._low) / robot.max_speed))
         self._lasts = max(LASTS * slowest, horizon)
 
@@ -175,11 +180,16 @@ class Kicks:
         chance = rng.random((*goes.shape, POSTURES, len(q)))[goes]
         places = self._low + (self._high - self._low) * chance
         here, shares = (np.stack(of_those(each), axis=-1) for each in (q, made))
+        near = places + self._turn * np.rint((here - places) / (2.0 * np.pi))  # the shorter way
+        places = np.where((self._lower <= near) & (near <= self._upper), near, places)
         at = None if base is None else np.stack(of_those(base), axis=-1)
         arm = self._kinematics.forward(here + shares * (places - here), at)
         aim = aim_at(np, goal, t)
         aim = aim._replace(place=of_those(aim.place), turn=aim.turn and of_those(aim.turn))
         off = arm.tip_parts, turned_against(np, arm, aim)
+        if at is not None:
+            (_, _, height), turn = off
+            off = (*aim.place[:2], height), turn and (*turn[:3], 0.0)
         nearest = np.argmin(cost(off, aim.place, self._lever2), axis=-1)
         chosen = np.zeros((*goes.shape, len(q)))
         chosen[goes] = places[np.arange(len(places)), nearest]

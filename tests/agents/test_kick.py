@@ -27,9 +27,9 @@ class Arm:
         self.kick = self._kicks.watched(self._xp, before, self._goal, t, distance, moving, q, base)
         return before is not None and np.any(self.kick.until != before.until)
 
-    def until_it_moves(self, t, q=SOMEWHERE):
+    def until_it_moves(self, t, q=SOMEWHERE, base=None):
         """Look on from a time until it begins to move, and return when."""
-        while not self.watch(t, 0.5, q=q):
+        while not self.watch(t, 0.5, q=q, base=base):
             t += 0.01
         return t
 
@@ -110,6 +110,43 @@ def test_joints_go_to_a_posture_whose_hand_is_near(arph, stuck):
         t = arm.until_it_moves(t, q=tuple(in_fact(arm.kick.places).tolist()))
         near.append(away(arph, in_fact(arm.kick.places)))
     assert np.median(near) < usual / 2
+
+
+def test_a_joint_takes_the_shorter_way_to_its_place(arph):
+    """Where no stop is in between: else it is not there before the move ends."""
+    turns = 0, 3, 5  # of ARPH these turn on and on
+    q = tuple(x + (4.0 * np.pi if i in turns else 0.0) for i, x in enumerate(SOMEWHERE))
+    arm, t = Arm(arph), 0.0
+    for _ in range(20):
+        t = arm.until_it_moves(t, q=q)
+        for i, (here, place) in enumerate(zip(q, arm.kick.places, strict=True)):
+            assert abs(place - here) <= np.pi if i in turns else True
+            assert arph.lower[i] <= place <= arph.upper[i]
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_on_a_platform_joints_go_to_a_posture_whose_hand_is_as_high_and_as_tilted(arph, turned):
+    """However far off it is on the level, and turned about the upright: the platform drives."""
+    rng = np.random.default_rng(1)
+    goal = STILL._replace(orientation=np.array([0.6, 0.0, 0.0, 0.8]) if turned else None)
+    upright = np.array([0.0, 0.96, 0.28])  # as seen along its own axes, from a hand there
+
+    def off(places):
+        """By how much height [m], and the upright as seen from the hand, are off."""
+        hand = kinematics_of(arph).forward(np.asarray(places))
+        seen = np.swapaxes(hand.rotation, -1, -2)[..., 2]
+        tilt = np.linalg.norm(seen - upright, axis=-1)
+        return np.abs(hand.tip[..., 2] - goal.position[2]), tilt
+
+    usual = off(rng.uniform(*ranges(arph), (1000, arph.n)))
+    arm, near, base = Arm(arph, goal=goal), [], (5.0, -3.0, 2.0)
+    t = arm.until_it_moves(0.0, base=base)
+    for _ in range(20):
+        t = arm.until_it_moves(t, q=arm.kick.places, base=base)
+        near.append(off(arm.kick.places))
+    height, tilt = np.median(near, axis=0)
+    assert height < np.median(usual[0]) / 2
+    assert tilt < np.median(usual[1]) / 2 or not turned
 
 
 def test_of_many_arms_those_move_that_come_no_nearer(arph):
