@@ -120,19 +120,19 @@ class LineByModel:
         if self._stops is not None:
             step = self._stops.turn(xp, t, q[index], step)
         step = self._part * step
-        kick, by_chance = None, False
+        kick = None
         if not moves:
             off = arm.tip_parts, hand and turn_against(xp, hand, aim)
             missing = xp.sqrt(cost(off, aim.place, self._lever2))
             moving = xp.sqrt(moved(goes, turns, self._lever2))
             kick = self._kicks.watched(xp, last.kick, goal, t, missing, moving, q, base)
-            by_chance = t < kick.until
-            step = xp.where(by_chance, kick.places[index] - places[index], step)
+        if kick is not None:
+            step = xp.where(t < kick.until, kick.places[index] - places[index], step)
         self._last = Last(t, base, seen, changes, kick)
         own = self._links[index]
         velocity: Array = fading * going[index] + step / horizon
         if base is not None and hand is None:
-            most = own.speed * xp.where(by_chance, 1.0, near**2)
+            most = own.speed * near**2
             velocity = xp.clip(velocity, -most, most)
         if not moves:
             now = xp.abs(step + fading * going[index] * horizon)

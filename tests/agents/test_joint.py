@@ -34,19 +34,6 @@ def test_a_joint_never_asks_for_more_than_its_speed_limit(body, percepts, arph):
     assert speed == pytest.approx(arph.max_speed[1])
 
 
-def test_a_joint_that_waits_for_the_platform_moves_by_chance_as_fast_as_it_can(
-    body, percepts, arph
-):
-    """Slowed like its steps towards a goal far off on the level, it is not there in time."""
-    agents, told = [JointAgent(body(i)) for i in range(3)], []
-    for tick in range(40):
-        seen = percepts((3.0, 0.0, -0.2), t=0.06 * tick)
-        told.append([float(abs(agent.decide(seen))) for agent in agents])
-    shares = np.array(told) / arph.max_speed[:3]
-    assert shares[:5].max() < 0.01
-    assert shares.max() > 0.9
-
-
 def test_a_joint_that_serves_a_steady_goal_goes_on_as_it_goes(body, percepts, arph):
     speeds = np.array([0.1, 0, 0, 0, 0, 0])
     arm = kinematics_of(arph).forward(START, np.zeros(3))
