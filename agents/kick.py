@@ -97,7 +97,7 @@ class Kicks:
         self._close, self._reached = CLOSE[0] * reach, REACHED * reach
         self._shaken, self._lever2 = SHAKEN * reach, (LEVER * reach) ** 2
         self._low, self._high = ranges(robot)
-        self._lower, self._upper = robot.lower, robot.upper
+        self._stops = robot.lower, robot.upper
         slides = [joint.slides for joint in robot.joints]
         self._turn = np.where(slides, 0.0, 2.0 * np.pi)  # [rad] after which a joint is as before
         slowest = float(np.max((self._high - self._low) / robot.max_speed))
@@ -181,13 +181,13 @@ class Kicks:
         places = self._low + (self._high - self._low) * chance
         here, shares = (np.stack(of_those(each), axis=-1) for each in (q, made))
         near = places + self._turn * np.rint((here - places) / (2.0 * np.pi))  # the shorter way
-        places = np.where((self._lower <= near) & (near <= self._upper), near, places)
+        places = np.where(near == near.clip(*self._stops), near, places)
         at = None if base is None else np.stack(of_those(base), axis=-1)
         arm = self._kinematics.forward(here + shares * (places - here), at)
         aim = aim_at(np, goal, t)
         aim = aim._replace(place=of_those(aim.place), turn=aim.turn and of_those(aim.turn))
         off = arm.tip_parts, turned_against(np, arm, aim)
-        if at is not None:
+        if at is not None:  # the rest is the platform's
             (_, _, height), turn = off
             off = (*aim.place[:2], height), turn and (*turn[:3], 0.0)
         nearest = np.argmin(cost(off, aim.place, self._lever2), axis=-1)
