@@ -26,6 +26,16 @@ def pytest_xdist_auto_num_workers() -> int:
     return min(max(2 * len(os.sched_getaffinity(0)), 4), 8)
 
 
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> object:
+    """Return what hands out the tests: `_TOGETHER` to one worker each, any other to who is free."""
+    from xdist.scheduler import LoadScopeScheduling
+
+    scheduling = LoadScopeScheduling(config, log)
+    scheduling._split_scope = lambda test: next(filter(test.startswith, _TOGETHER), (test,))[0]
+    return scheduling
+
+
 @pytest.hookimpl(wrapper=True, tryfirst=True)  # so that no timeout counts the time of waiting
 def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, object, object]:
     """Run no more tests at once on this machine than there are workers, whoever has started them.
@@ -48,4 +58,16 @@ def _turn(names: tuple[str, ...]) -> socket.socket:
     return turn
 
 
+_TOGETHER = (
+    ("tests/agents/", "tests/plant/", "tests/studies/"),
+    ("tests/bench/",),
+    ("tests/nodes/hmi/browser/",),
+    ("tests/nodes/hmi/test_listening.py",),
+    ("tests/runtime/gate/test_operator_input.py",),
+    ("tests/runtime/watching/test_verbs.py",),
+    ("tests/runtime/wire/test_security.py",),
+)
+"""What one worker runs, one test after another: all that computes, or drives a browser, and files
+whose tests share a robot. Four browsers, or long computations, at once on two cores would leave
+nothing to robots, which run in real time."""
 _TURNS = tuple(f"turn-{number}" for number in range(pytest_xdist_auto_num_workers()))

@@ -91,9 +91,9 @@ def test_a_plant_of_40_lines_is_moved_along_the_path(robot: Robot) -> None:
     assert len(SERVOS.strip().splitlines()) <= 40
     file = write_files(robot.folder)
     # at half speed, so that a busy machine has time for 50 decisions a second of each agent
-    done = robot.msma("launch", file, "--robot", robot.name, "--duration", "6s", "--speed", "0.5")
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert "as the sensors measured it" in done.stdout
+    code, said = robot.run_in_time(0.5, "--duration", "6s", file=file)
+    assert code == 0, said
+    assert "as the sensors measured it" in said
     assert robot.summary["evaluation"]["by_sensors"]
     assert robot.log("plant", "no truth")
     record = (robot.folder / "record.txt").read_text().splitlines()

@@ -103,7 +103,7 @@ def test_robots_whose_names_share_their_ports_run_at_once_and_are_found(
     with first, second:
         for robot, name in zip(robots, names_at(base), strict=False):
             robot.name = name
-            robot.launch("--duration", "60s")
+            robot.launch("--duration", "10min")
         for robot in robots:
             robot.until(0.1)
             assert robot.working("status", says="joint/6").startswith(f"{robot.name}: ")
