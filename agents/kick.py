@@ -6,7 +6,9 @@ hand and goal has not changed for a while, the joints go elsewhere for a moment,
 best from there. Each decides alone, and not while a platform carries the arm on, which may first
 have to lead away. As all see the same hand, are as patient, and move for as long, most begin and
 end at once, and the arm begins anew in another posture. The longer a goal has stood, the rarer, so
-that an arm does not move for ever after what cannot be reached.
+that an arm does not move for ever after what cannot be reached. A move goes on as fast as the
+joints may be where it begins: slowly while a platform that goes round something, or waits for who
+walks by, still has to bring the hand near.
 
 Where to is by chance too, but by the same chance for all: each draws some postures of the whole
 arm, from the goal and the time, and goes where it has to be for the one whose hand is the nearest.
@@ -74,6 +76,7 @@ class Kick(NamedTuple):
         places: (n) where it leads them [rad or m].
         made: (n) the share of their way that they have made.
         base: x, y [m] and heading [rad] of the platform at `since`; None on a bolted arm.
+        pace: The share of their top speed at which the joints move [1].
     """
 
     goal: bytes
@@ -85,6 +88,7 @@ class Kick(NamedTuple):
     places: tuple[Number, ...]
     made: tuple[Number, ...]
     base: Vector | None
+    pace: Number
 
 
 class Kicks:
@@ -113,6 +117,7 @@ class Kicks:
         moving: Number,
         q: tuple[Number, ...],
         base: Vector | None,
+        pace: Number,
     ) -> Kick:
         """Return the memory after a look at `t` [s]; the joints move by chance while t < `until`.
 
@@ -126,11 +131,12 @@ class Kicks:
                 of `markers.moved`: one that only turns is not at rest either.
             q: (n) positions of all joints [rad or m].
             base: x, y [m] and heading [rad] of the platform; None on a bolted arm.
+            pace: The share of their top speed that the joints may have in a move that begins [1].
         """
         name = _name(goal)
         if kick is None or kick.goal != name:
-            kick = Kick(name, t, np.inf, t, -np.inf, q, q, (1.0,) * len(q), base)
-        _, stands, reference, since, until, begun, places, made, before = kick
+            kick = Kick(name, t, np.inf, t, -np.inf, q, q, (1.0,) * len(q), base, pace)
+        _, stands, reference, since, until, begun, places, made, before, kept = kick
         going = t < until
         if xp.any(going):
             ways = zip(q, begun, places, made, strict=True)
@@ -151,12 +157,13 @@ class Kicks:
         if xp.any(goes):
             drawn = self._posture(np.asarray(goes), goal, t, q, made, base)
             until = xp.where(goes, t + self._lasts, until)
+            kept = xp.where(goes, pace, kept)
             begun, places = (
                 tuple(xp.where(goes, *two) for two in zip(*each, strict=True))
                 for each in ((q, begun), (drawn, places))
             )
             reference, since = xp.where(goes, np.inf, reference), xp.where(goes, until, since)
-        return Kick(name, stands, reference, since, until, begun, places, made, before)
+        return Kick(name, stands, reference, since, until, begun, places, made, before, kept)
 
     def _posture(
         self, goes: Array, goal: Goal, t: float, q: tuple[Number, ...], made: tuple[Number, ...],

@@ -125,14 +125,17 @@ class LineByModel:
             off = arm.tip_parts, hand and turn_against(xp, hand, aim)
             missing = xp.sqrt(cost(off, aim.place, self._lever2))
             moving = xp.sqrt(moved(goes, turns, self._lever2))
-            kick = self._kicks.watched(xp, last.kick, goal, t, missing, moving, q, base)
+            kick = self._kicks.watched(xp, last.kick, goal, t, missing, moving, q, base, near**2)
+        pace: Number = near**2 if hand is None else 1.0
         if kick is not None:
-            step = xp.where(t < kick.until, kick.places[index] - places[index], step)
+            by_chance = t < kick.until
+            step = xp.where(by_chance, kick.places[index] - places[index], step)
+            pace = xp.where(by_chance, kick.pace, pace)
         self._last = Last(t, base, seen, changes, kick)
         own = self._links[index]
         velocity: Array = fading * going[index] + step / horizon
-        if base is not None and hand is None:
-            most = own.speed * near**2
+        if base is not None:
+            most = own.speed * pace
             velocity = xp.clip(velocity, -most, most)
         if not moves:
             now = xp.abs(step + fading * going[index] * horizon)

@@ -214,7 +214,8 @@ class RandomMoves:
         q, steps = joints.position, components(self.HORIZON * joints.velocity)
         place = None if base is None else components(base)
         moving = np.sqrt(moved(*moved_by(arm, self._slides, steps, None, None), self._lever2))
-        kick = self._kicks.watched(np, self._kick, goal, t, distance, moving, components(q), place)
+        seen = distance, moving, components(q), place
+        kick = self._kicks.watched(np, self._kick, goal, t, *seen, pace=1.0)
         self._kick = kick if self._made is None else kick._replace(made=self._made)
         going = (t < np.asarray(kick.until))[..., None] & ~self._locked
         speeds = (np.stack(kick.places, axis=-1) - q) / self.HORIZON

@@ -49,6 +49,27 @@ def test_without_a_goal_or_a_sight_of_the_hand_it_says_nothing(body, percepts):
     assert agent.perception == "none"
 
 
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_joint_moves_by_chance_as_fast_as_it_may_where_the_move_begins(
+    body, percepts, arph, turned
+):
+    """Slowly while the platform has to bring the hand near, for it may wait for who walks by."""
+
+    def asked(ahead, t, base=(0.0, 0.0, 0.0)):
+        seen = percepts((ahead, 0.0, 0.1), t=t, base=np.array(base))
+        turn = np.array([0.0, 0.0, 0.0, 1.0])
+        return seen._replace(goal=seen.goal._replace(orientation=turn)) if turned else seen
+
+    def share(agent, seen):
+        return abs(agent.decide(seen)) / arph.max_speed[0]
+
+    near, far = (JointAgent(body(0), perception="blackboard") for _ in range(2))
+    times = 0.02 * np.arange(60)
+    assert [share(near, asked(0.1, t)) for t in times][-1] > 0.9
+    assert share(near, asked(0.1, 1.2, (-1.0, 0.0, 0.0))) > 0.9
+    assert [share(far, asked(1.1, t)) for t in times][-1] < 0.1
+
+
 def test_auto_takes_the_eye_when_an_encoder_is_lost(body, percepts):
     lost = START.copy()
     lost[4] = np.nan

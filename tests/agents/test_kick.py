@@ -21,10 +21,11 @@ class Arm:
         self._kicks, self._xp, self._goal = Kicks(robot, 1.0, HORIZON), xp, goal
         self.kick = None
 
-    def watch(self, t, distance, moving=0.0, q=SOMEWHERE, base=None):
+    def watch(self, t, distance, moving=0.0, q=SOMEWHERE, base=None, pace=1.0):
         """Look once, and return whether it begins to move."""
         before = self.kick
-        self.kick = self._kicks.watched(self._xp, before, self._goal, t, distance, moving, q, base)
+        of_arm = distance, moving, q, base, pace
+        self.kick = self._kicks.watched(self._xp, before, self._goal, t, *of_arm)
         return before is not None and np.any(self.kick.until != before.until)
 
     def until_it_moves(self, t, q=SOMEWHERE, base=None):
@@ -49,6 +50,17 @@ def test_a_joint_moves_by_chance_unless_the_platform_carries_the_arm_on(arph, wa
         t = 0.01 * tick
         arm.watch(t, 0.1, base=tuple(speed * t if axis == way else 0.0 for axis in range(3)))
     assert (arm.kick.until > 0.0) is moves
+
+
+def test_a_move_by_chance_goes_on_at_the_pace_at_which_it_begins(arph):
+    arm = Arm(arph)
+    t = arm.until_it_moves(0.0)
+    assert arm.kick.pace == 1.0
+    arm.watch(t + 0.1, 0.8, pace=0.04)
+    assert arm.kick.pace == 1.0
+    while not arm.watch(t, 0.5, pace=0.04):
+        t += 0.01
+    assert arm.kick.pace == 0.04
 
 
 @pytest.mark.parametrize(("distance", "moving", "moves"), [
