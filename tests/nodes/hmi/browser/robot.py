@@ -23,7 +23,7 @@ from runtime.wire.operator_messages import OperatorState
 from runtime.wire.packing import unpack
 from studies.person.chromium import middle
 from tests.nodes.hmi.browser.letting_go import touch
-from tests.runtime.conftest import Robot, wait_for
+from tests.runtime.conftest import RUN_DEADLINE, Robot, wait_for
 
 DEPLOYMENT = """
 description: arph
@@ -155,7 +155,7 @@ class RobotWithPage(Robot):
             let_go()
             return False
 
-        wait_for(moving, f"the robot moves while {move} is held")
+        wait_for(moving, f"the robot moves while {move} is held", RUN_DEADLINE)
 
     def late(self, since: Place) -> float:
         """Return by how much the latest message since a moment before then was late [s].
