@@ -100,7 +100,8 @@ def by_ssh(robot: Robot, *options: str, arm: str = "") -> "subprocess.Popen[str]
 def test_all_hosts_are_started_from_one_terminal_and_their_logs_brought_back(
     robot: Robot,
 ) -> None:
-    launcher = by_ssh(robot, "--duration", "30s", "--speed", "3", "--kill", "joint/2@3")
+    # when a busy machine has started the processes of all hosts, too
+    launcher = by_ssh(robot, "--duration", "30s", "--speed", "3", "--kill", "joint/2@24")
     out, err = launcher.communicate(timeout=RUN_DEADLINE)
     late = () if robot.is_in_time else (MISSED,)  # a busy machine may be too slow for that speed
     assert launcher.returncode in (0, *late), out + err
