@@ -153,6 +153,8 @@ class RobotWithPage(Robot):
                     return True
                 time.sleep(0.02)
             let_go()
+            said = page.locator("#move-text").inner_text()
+            print(f"{self.now.t:.2f} s, {self.now.off(start):.3f} m: {said}")  # if it never moves
             return False
 
         wait_for(moving, f"the robot moves while {move} is held", RUN_DEADLINE)
