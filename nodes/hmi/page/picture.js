@@ -7,6 +7,7 @@ const WORDS = 500; // [ms] from one text to the next
 const TURN = Math.PI / 8;
 const ZOOM = 1.25;
 const NEAREST = 3; // things that are named
+const PAUSE = 200; // [ms] from one frame to the next at most: an old picture ends what is held
 
 const find = (id) => document.getElementById(id);
 
@@ -32,7 +33,7 @@ export class Picture {
     });
     this.#buttons();
     this.#load();
-    requestAnimationFrame((now) => this.#turn(now));
+    this.#ask();
   }
 
   async #load() {
@@ -66,8 +67,20 @@ export class Picture {
     find("view-farther").onclick = () => this.scene?.move(0, ZOOM);
   }
 
+  /**
+   * Draw frames, with a pause after each that is as long as it kept this thread: so however slow
+   * drawing is, half of the time is left to send what is held, before the robot stops for want of it.
+   */
+  #ask() {
+    requestAnimationFrame((now) => {
+      this.#turn(now);
+      const drawn = performance.now();
+      const rest = () => setTimeout(() => this.#ask(), Math.min(performance.now() - drawn, PAUSE));
+      setTimeout(rest); // which waits until the frame is on its way
+    });
+  }
+
   #turn(now) {
-    requestAnimationFrame((next) => this.#turn(next));
     this.scene?.paint();
     if (this.state === null) {
       put(find("picture-text"), word("picture.wait"));

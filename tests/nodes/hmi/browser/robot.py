@@ -152,8 +152,8 @@ class RobotWithPage(Robot):
                 if self.now.off(start) > far:
                     return True
                 time.sleep(0.02)
+            said = page.locator("#said").inner_text()  # why the press has ended
             let_go()
-            said = page.locator("#move-text").inner_text()
             print(f"{self.now.t:.2f} s, {self.now.off(start):.3f} m: {said}")  # if it never moves
             return False
 

@@ -17,6 +17,37 @@ def test_states_are_answered_once_they_are_painted(page: Any, stub: Stub) -> Non
     assert numbers == sorted(set(numbers))
 
 
+SLOW = """(kept) => {
+  const ask = window.requestAnimationFrame.bind(window);
+  let drawn = null;
+  window.pauses = [];
+  window.requestAnimationFrame = (draw) => {
+    if (drawn !== null) pauses.push(performance.now() - drawn);
+    return ask((now) => {
+      draw(now);
+      queueMicrotask(() => {
+        const until = performance.now() + kept;
+        while (performance.now() < until);
+        drawn = performance.now();
+      });
+    });
+  };
+}"""
+"""Keeps the page's thread for so long [ms] with each frame, and notes the pauses between them."""
+
+
+def test_where_drawing_is_slow_it_leaves_half_of_the_time_to_the_buttons(
+    page: Any, stub: Stub
+) -> None:
+    page.locator("body[data-picture=drawn]").wait_for()
+    page.evaluate(SLOW, 120)
+    before = len(stub.of("painted"))
+    wait_until(lambda: len(stub.of("painted")) > before + 5, "painted states are answered")
+    pauses = page.evaluate("pauses")
+    assert pauses
+    assert min(pauses) > 119  # timers count whole milliseconds
+
+
 def test_the_things_around_the_robot_are_drawn_and_named_nearest_first(
     page: Any, stub: Stub
 ) -> None:
