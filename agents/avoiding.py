@@ -7,6 +7,7 @@ from agents.braking import Brakes
 from agents.clearance import MARGIN
 from agents.echoes import Echoes, Sonar
 from agents.outline import Outline
+from agents.steering import SMALL
 from plant.belt import Ranges
 from plant.robot import Robot
 
@@ -19,9 +20,6 @@ way. Chosen: a seventh of ARPH's own length."""
 WAITS = 2.0
 """[L / v_max] How long it stands before it says so. Chosen: 7 s with ARPH, longer than it takes to
 turn to another way."""
-OFF = 0.02
-"""[L] Error of the hand from which on there is a reason to drive. Derived: twice the error up to
-which the plan's cost grows with the square."""
 
 
 class Avoiding:
@@ -91,7 +89,7 @@ class Avoiding:
         limit = self._brakes.limit(echoes, base, planned)
         self.shares = limit.shares
         goes = self._stood is None or abs(echoes.place - self._stood[1]) > STANDS * self._reach
-        if self._stood is None or goes or off < OFF * self._reach:
+        if self._stood is None or goes or off < 2 * SMALL * self._reach:
             self._stood = echoes.t, echoes.place
         if echoes.t - self._stood[0] < WAITS * self._unit:
             return ""

@@ -37,12 +37,10 @@ SWINGS = 0.05
 """[L] Largest distance that the arm's own motion is expected to go on. Trade-off: without a limit
 the platform turns away from a swing of the arm that its own turning causes."""
 EASE = 0.02
-"""[L] Largest distance by which the hand is carried past its goal for comfort. Trade-off: with
-half of it the cup of deploy/arph-pose.yaml comes to its goal from 334 of 400 starts, not 362; half
-as much again leads to 814 of 993 goals (seeds 0 and 3), not 821."""
-COMFORT = 0.25
-"""[L] Distance from a comfortable reach at which comfort asks for EASE. Chosen: it is the
-most where an arm with its comfortable reach at 0.67 L is nearly straight."""
+"""[L] Largest distance by which the hand is carried past its goal for comfort: where the arm is
+straight or folded, whichever is nearer to its comfortable reach, or turned all the way back.
+Trade-off: with half of it the cup of deploy/arph-pose.yaml comes to its goal from 334 of 400
+starts, not 362; half as much again leads to 814 of 993 goals (seeds 0 and 3), not 821."""
 CONTENT = 0.0005
 """[L] Error, as of the markers, from which on no comfort is sought. Chosen: with joints 1 and 2
 locked the hand has 80 of 80 goals in the end, and 74 with four times as much."""
@@ -132,10 +130,10 @@ class PlatformAgent(Agent):
             bearing: Of the hand as seen from the arm's root when it is lined up.
 
         Raises:
-            AgentError: When `reach` is not positive or the robot has no platform.
+            AgentError: When `reach` is not between 0 and 1 or the robot has no platform.
         """
-        if not reach > 0:
-            raise AgentError(f"reach: {reach:g} must be positive")
+        if not 0 < reach < 1:
+            raise AgentError(f"reach: {reach:g} must be between 0 and 1")
         drive = drive_of(body)
         self._sight = Sight(body, perception)
         self.sees = self._sight.sees | {"base", "goal"}
@@ -155,6 +153,7 @@ class PlatformAgent(Agent):
         self.rest = REST * float(self._planner.length[0])
         self._stops = np.stack([body.robot.lower, body.robot.upper])
         self._reach, self._bearing = reach * self._length, bearing
+        self._room = min(self._reach, self._length - self._reach)  # to a folded or straight arm
         self._lever2 = (LEVER * reach_of(body)) ** 2
         self._parts = ceil(PARTS**2 * body.period / (PLANS * self._unit))
         self._memory: Memory | None = None
@@ -353,9 +352,7 @@ class PlatformAgent(Agent):
         arm = held - (self._root[0] + 1j * self._root[1])
         off = np.hypot(np.abs(arm), height - self._root[2]) - self._reach
         aside = np.angle(arm * np.exp(-1j * self._bearing))
-        ahead, left = (
-            np.clip(x, -1.0, 1.0) for x in (off / (COMFORT * self._length), aside / np.pi)
-        )
+        ahead, left = (np.clip(x, -1.0, 1.0) for x in (off / self._room, aside / np.pi))
         away = arm / np.maximum(np.abs(arm), SMALL * self._length)
         shift: Places = EASE * self._length * away * (ahead + 1j * left)
         return shift

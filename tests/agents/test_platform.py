@@ -185,7 +185,8 @@ def test_a_batch_of_robots_is_decided_for_at_once(body, percepts):
 @pytest.mark.parametrize(
     ("parameters", "said"),
     [
-        ({"reach": -1.0}, "reach: -1 must be positive"),
+        ({"reach": -1.0}, "reach: -1 must be between 0 and 1"),
+        ({"reach": 1.0}, "reach: 1 must be between 0 and 1"),
     ],
 )
 def test_a_parameter_out_of_range_is_refused(body, parameters, said):
