@@ -11,10 +11,11 @@ from plant.robot import Drive
 
 KEPT = 0.04
 """[L] Gap that is kept to what is seen. Chosen: four times the noise of ultrasonic sensors."""
-PARTS = 6
-"""[] Shares of the planned speeds that are tried, up to all, and poses on the way to rest that are
-looked at. Chosen: shares by squares, finer where the platform is slow; poses are 3 cm apart at
-ARPH's top speed."""
+SHARES = 6
+"""[] Of the planned speeds that are tried, up to all. Chosen: by squares, finer where the platform
+is slow."""
+POSES = 6
+"""[] On the way to rest that are looked at. Chosen: 3 cm apart at ARPH's top speed."""
 
 
 class Limit(NamedTuple):
@@ -46,9 +47,9 @@ class Brakes:
             late: How long it goes on before it brakes [s].
         """
         self._slows = np.array([drive.max_linear_acceleration, drive.max_angular_acceleration])
-        self._times = np.linspace(0.0, 1.0, PARTS + 1)[1:]
+        self._times = np.linspace(0.0, 1.0, POSES + 1)[1:]
         self._outline, self._sonar, self._reach, self._late = outline, sonar, reach, late
-        shares = np.linspace(1.0, 0.0, PARTS + 1) ** 2
+        shares = np.linspace(1.0, 0.0, SHARES + 1) ** 2
         pairs = [(share, 1.0) for share in shares] + [(share, share) for share in shares]
         pairs += [(0.0, share) for share in shares]
         self._pairs = np.array(list(dict.fromkeys(pairs)))
@@ -82,7 +83,7 @@ class Brakes:
         half = 0.5 * way[..., 1]
         chord = way[..., 0] * np.sinc(half / np.pi) * np.exp(1j * half)
         seen = (things - chord[..., None]) * np.exp(-2j * half)[..., None]
-        then = self._outline.gap(seen)  # (tried, PARTS, things)
+        then = self._outline.gap(seen)  # (tried, POSES, things)
         then[tried[:, 0] == 0, :, : len(unseen)] = np.inf
         enough = np.minimum(KEPT * self._reach, gaps - 1e-9)
         safe = (then >= enough).all(axis=(-1, -2)) | ~tried.any(axis=-1)

@@ -21,7 +21,7 @@ from agents.markers import (
     turn_of,
 )
 from agents.number import MANY, components
-from agents.others import FADES
+from agents.others import TRUST
 from agents.sight import View
 from agents.watching import Content, OwnColumn, OwnMotion, SteadyEye
 from plant.kinematics import ArmPose
@@ -136,7 +136,7 @@ class LineByEye:
         """
         self._body = body
         self._horizon, self._memory = self.FURTHER * horizon, memory
-        self._gap = FADES * horizon  # an older sight says nothing of a speed now
+        self._gap = TRUST * horizon  # an older sight says nothing of a speed now
         self._top_speed = top_speed
         self._window = max(self.WINDOW, body.period)
         self._due = self._window - body.period / 4  # ticks are never quite as long as each other

@@ -19,10 +19,13 @@ from agents.markers import (
     turned_by,
 )
 from agents.number import Namespace, Number, Vector, components, namespace_of
-from agents.others import FADES, Seen, first_seen, left_by_others, links_of, part_of_step
+from agents.others import TRUST, Seen, first_seen, left_by_others, links_of, part_of_step
 from agents.sight import View
 from agents.stops import Stops
 
+FADES = 2.5
+"""[horizons] in which a motion fades towards a goal that stands still: the arm of many joints goes
+on for long where none of it serves, and is late where it is to be elsewhere."""
 NEAR = 0.13
 """[reaches] off on the level, from which on a goal is the platform's affair, not the arm's, which
 is not to fold over after one behind it nor stretch for one ahead, only to have to come back. As in
@@ -83,14 +86,14 @@ class LineByModel:
         q, speeds = components(joints.position), components(joints.velocity)
         base = None if percepts.base is None else components(percepts.base)
         last = self._last
-        if last is None or not 0.0 <= t - last.t <= FADES * horizon:
+        if last is None or not 0.0 <= t - last.t <= TRUST * horizon:
             fresh = first_seen(speeds[index:])
             last = Last(t - self._period, base, fresh, fresh.changes, None)
         elapsed, moves = min(t - last.t, horizon), goal.moves(t)
         fading = exp(-elapsed / (self._memory if moves else FADES * horizon))
         seen = last.seen
         if elapsed > 0.0:
-            kept = exp(-elapsed / (FADES * horizon))
+            kept = exp(-elapsed / (TRUST * horizon))
             seen = seen.after(last.changes, speeds[index:], kept, fading)
         shares, beyond = seen.expected(xp, fading)
         going = *speeds[:index], *beyond

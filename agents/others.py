@@ -16,7 +16,7 @@ makes the share min(1, FEW / n) of its best step.
 Nobody hears another's commands. So with x the change of speed that this joint worked out that the
 other would make, and y the change that is seen a decision later, apart from what fades (`laws`),
 
-    eta = (sum x y) / (sum x^2), within 0 to 1, both sums fading within `FADES`.
+    eta = (sum x y) / (sum x^2), within 0 to 1, both sums fading within `TRUST`.
 
 Where commands take a decision longer, so does y. The same sums are kept for it, and where their eta
 is the larger one, what was wanted last is added to the speeds seen, as it is still to come (the
@@ -31,11 +31,9 @@ from agents.markers import Off, after_step, best_step
 from agents.number import Namespace, Number, Vector
 from plant.kinematics import ArmPose
 
-FADES = 2.5
-"""[horizons] in which what was seen of another fades, after which a sight says nothing of a speed
-now, and in which a motion fades towards a goal that stands still: the arm of many joints goes on
-for long where none of it serves, and is late where it is to be elsewhere. For what was seen of
-others 0.25 s to 1 s do as well (seeds 0 to 9)."""
+TRUST = 4.0
+"""[horizons] in which what was seen of another fades, and after which a sight says nothing of a
+speed now: 0.25 s to 1 s do as well (seeds 0 to 9)."""
 TRIFLE = 1e-6
 """[rad2/s2 or m2/s2] of changes made and wanted that a joint has to its credit to begin with."""
 CLEARLY = 0.1

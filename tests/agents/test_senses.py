@@ -5,7 +5,7 @@ import pytest
 
 from agents.agent import Body, Joints
 from agents.joint import HoldAgent, JointAgent
-from agents.others import FADES
+from agents.laws import FADES
 from agents.platform import PlatformAgent
 from agents.sight import View
 from plant.kinematics import kinematics_of

@@ -7,7 +7,7 @@ const WORDS = 500; // [ms] from one text to the next
 const TURN = Math.PI / 8;
 const ZOOM = 1.25;
 const NEAREST = 3; // things that are named
-const PAUSE = 200; // [ms] from one frame to the next at most: an old picture ends what is held
+const PAUSE = 200; // [ms] after a frame at most: an old picture ends what is held
 
 const find = (id) => document.getElementById(id);
 
@@ -73,10 +73,10 @@ export class Picture {
    */
   #ask() {
     requestAnimationFrame((now) => {
+      const begun = performance.now();
+      const pause = () => setTimeout(() => this.#ask(), Math.min(performance.now() - begun, PAUSE));
+      setTimeout(pause); // it waits until the frame is on its way
       this.#turn(now);
-      const drawn = performance.now();
-      const rest = () => setTimeout(() => this.#ask(), Math.min(performance.now() - drawn, PAUSE));
-      setTimeout(rest); // which waits until the frame is on its way
     });
   }
 
