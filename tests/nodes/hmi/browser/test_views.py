@@ -52,6 +52,8 @@ def test_the_things_around_the_robot_are_drawn_and_named_nearest_first(
     page: Any, stub: Stub
 ) -> None:
     page.locator("body[data-picture=drawn]").wait_for()
+    seen = len(stub.of("painted")) + 1  # one may be of before the robot was there
+    wait_until(lambda: len(stub.of("painted")) > seen, "the robot is drawn")
     before = picture(page)
     stub.things = [
         thing("table", "box", [0.6, 0.8, 0.03], 1.2),
@@ -59,7 +61,7 @@ def test_the_things_around_the_robot_are_drawn_and_named_nearest_first(
         thing("ball", "sphere", [0.1], 1.0),
     ]
     page.get_by_text("cup 0.10 m, ball 0.30 m, table 0.50 m").wait_for()
-    assert picture(page) != before
+    wait_until(lambda: picture(page) != before, "they are in the picture")
     stub.things = []
     page.get_by_text("middle of things").wait_for(state="detached")
     wait_until(lambda: picture(page) == before, "nothing is left of them in the picture")
