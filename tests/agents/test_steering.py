@@ -69,6 +69,13 @@ def test_what_is_left_of_a_steady_plan_is_the_same():
     np.testing.assert_allclose(PLANNER.later(plan, 0.3), plan)
 
 
+def test_the_present_plan_is_kept_unless_another_one_is_so_much_better():
+    standing = np.zeros((INTERVALS, 2))
+    recedes = course(0.5 + 0j, 0.5, going=-0.03 + 0j)  # towards the platform, which has to turn
+    assert np.abs(planned(recedes, standing)).max() > 0.5
+    np.testing.assert_array_equal(planned(recedes._replace(better=0.3), standing), standing)
+
+
 def test_many_are_planned_for_as_each_alone():
     turns = np.array([0.1 + 0.1j]), np.array([-0.2j])
     some = [course(1.0 + 0j, 0.3j), course(-0.4j, 0.2 + 0j)]
