@@ -13,7 +13,7 @@ from agents.lifting import lifted
 from agents.markers import LEVER, Quaternion, aim_at, cost, reach_of, turn_against
 from agents.number import MANY
 from agents.sight import Perception, Sight, View
-from agents.steering import BETTER, FORWARD, SMALL, TRIFLE, Course, Planner
+from agents.steering import FORWARD, SMALL, TRIFLE, Course, Planner
 from plant.kinematics import Kinematics
 from plant.robot import Drive
 
@@ -303,8 +303,7 @@ class PlatformAgent(Agent):
         if turned is not None:
             share = np.where(moves, share, (whole / (TRIFLE * self._length)).clip(0.0, 1.0) ** 2)
         # as long as the arm keeps to a goal on the way, only far better plans are worth a change
-        keeps = (whole / (SMALL * self._length)).clip(0.0, 1.0)
-        better = BETTER * np.where(moves, keeps, 1.0)
+        better = np.where(moves, (whole / (SMALL * self._length)).clip(0.0, 1.0), 1.0)
         lasts = END * self._unit * np.exp(urge)[..., None]
         now = own.speed.clip(FORWARD, 1.0)
         before = None if old.plan is None else self._planner.later(old.plan, elapsed)

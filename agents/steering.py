@@ -71,7 +71,7 @@ class Course(NamedTuple):
         turn: (..., 1) z: its angle is by how much the hand is turned about the upright against
             its goal, and a turn by c puts its markers off by |z| |e^ic - 1| [m]. None for any.
         near: (K,) things to keep clear of [m]. None without an eye for them.
-        better: (...) share of the present plan's cost that another one needs to replace it.
+        better: (...) share of `BETTER` that counts for plans that keep clear of things.
     """
 
     goal: Places
@@ -83,7 +83,7 @@ class Course(NamedTuple):
     lasts: Array
     turn: Places | None = None
     near: Places | None = None
-    better: Array | float = BETTER
+    better: Array | float = 1.0
 
 
 class Tried(NamedTuple):
@@ -183,7 +183,11 @@ class Planner:
         tried = yield from self._improved(course, tail, tried, least, most)
         costs = tried.cost.reshape(*index.shape, len(STEPS))
         best, cost = costs.argmin(axis=-1), costs.min(axis=-1)
-        takes = cost[..., 1] < course.better * cost[..., 0]
+        better = course.better
+        if tried.short is not None:
+            short = _taken(tried.short, best[..., :1])[..., 0, :]
+            better = np.where(short.any(axis=-1), 1.0, better)
+        takes = cost[..., 1] < BETTER * better * cost[..., 0]
         index = np.where(takes, best[..., 1] + len(STEPS), best[..., 0])[..., None]
         return _taken(tried.plan, index)[..., 0, :, :]
 

@@ -73,7 +73,7 @@ def test_the_present_plan_is_kept_unless_another_one_is_so_much_better():
     standing = np.zeros((INTERVALS, 2))
     recedes = course(0.5 + 0j, 0.5, going=-0.03 + 0j)  # towards the platform, which has to turn
     assert np.abs(planned(recedes, standing)).max() > 0.5
-    np.testing.assert_array_equal(planned(recedes._replace(better=0.3), standing), standing)
+    np.testing.assert_array_equal(planned(recedes._replace(better=1 / 3), standing), standing)
 
 
 def test_many_are_planned_for_as_each_alone():
