@@ -23,8 +23,9 @@ def lifted(
     other if only that is within the joint's stops, `room` (..., 2, n) [rad] away; near the
     circle's top the hand goes on along the tangent. The circles are averaged by how much of its
     rise is whose, as the joints have moved of late (`moved` (..., n) [rad2/s2], `still` [m/s]).
-    This holds as far as the level motion follows from the rise, as it does where but one joint
-    moves. Second is the slope (...) [m/m] now.
+    This holds as far as the motion that way on the level follows from the rise, as it does where
+    but one joint moves, or others move the hand across it, as one that turns it about the upright.
+    Second is the slope (...) [m/m] now.
     """
     axes, lever = _split(arm.axes), _split(arm.tip[..., None, :] - arm.points)
     way = _across(axes, lever)  # (3, ..., n) [m/rad]
@@ -32,7 +33,8 @@ def lifted(
     lifts = moved * rises**2
     rise = lifts.sum(axis=-1) + still**2
     together = (moved * rises * level).sum(axis=-1)
-    slides = (moved * np.abs(level) ** 2).sum(axis=-1)
+    along = np.conj(together) / np.maximum(np.abs(together), 1e-12)
+    slides = (moved * (level * along[..., None]).real ** 2).sum(axis=-1)
     follows = 1 - (slides - np.abs(together) ** 2 / rise) / (slides + rise)
     follows = follows.clip(0.0, 1.0) ** ALONE
     inward = _across(way, axes)  # from the circle's centre to the hand

@@ -15,6 +15,7 @@ axis to where C is least. What the directions differ by is one rotation, the uni
 """
 
 from collections.abc import Sequence
+from math import pi
 from typing import NamedTuple
 
 import numpy as np
@@ -34,6 +35,11 @@ LEVER = 0.12
 """[reaches] sqrt(k): 0.08 to 0.16 do as well, 0.04 and 0.3 lose 5 to 7 of 100 (seeds 0 to 9)."""
 STILL = 1e-6
 """[1] of k, that counts against any turn: a hand on the joint's axis gives it no way to turn."""
+
+DAMPED = 0.1
+"""[1] of |u|^2, by which a step is damped where the level counts less (Levenberg 1944). Trade-off:
+without it joint 1 turns after goals however far off, and of 200 courses with things in the way 189
+are done, where it is 191; with 0.4 five more of 1087 goals are missed."""
 
 
 class Aim(NamedTuple):
@@ -176,8 +182,9 @@ def moved_by(
 
 
 def best_step(
-    xp: Namespace, off: Off, place: Vector, lever2: float, axis: Vector, point: Vector, slides: bool
-) -> Number:
+    xp: Namespace, off: Off, place: Vector, lever2: float, axis: Vector, point: Vector,
+    slides: bool, level: Number | None = None,
+) -> Number:  # fmt: skip
     """Return the step of one joint that makes C least, exactly: [rad], within -pi to pi, or [m].
 
     With r = e - p and s = g - p for a point p on the unit axis a,
@@ -189,6 +196,11 @@ def best_step(
     with (w, r_q) the rotation against the goal. Its sign is the "good direction" of the paper,
     section 3.1. No inverse kinematics: one joint, one circle, the nearest point on it.
 
+    Where squares of what is off on the level count but m times in C, it is that to a goal m times
+    as far off on the level, times |u|^2 / (m (u_x^2 + u_y^2) + u_z^2), with u = a x r, or a where
+    it slides: the least C for small steps, by the Gauss-Newton method. It is damped: `DAMPED` |u|^2
+    is added above and below, so that a joint which does nothing for height moves by little.
+
     Args:
         xp: The namespace.
         off: The hand.
@@ -197,12 +209,18 @@ def best_step(
         axis: (3) unit axis of the joint.
         point: (3) on it [m].
         slides: Whether the joint slides.
+        level: m, of a hand that may be turned in any way; None for 1.
     """
     ax, ay, az = axis
     (ex, ey, ez), turn = off
     gx, gy, gz = place
+    if level is not None:
+        gx, gy = ex + level * (gx - ex), ey + level * (gy - ey)
     if slides:
-        return ax * (gx - ex) + ay * (gy - ey) + az * (gz - ez)
+        best = ax * (gx - ex) + ay * (gy - ey) + az * (gz - ez)
+        if level is not None:
+            best = best * (1.0 + DAMPED) / (level * (ax * ax + ay * ay) + az * az + DAMPED)
+        return best
     px, py, pz = point
     rx, ry, rz = ex - px, ey - py, ez - pz
     sx, sy, sz = gx - px, gy - py, gz - pz
@@ -219,7 +237,13 @@ def best_step(
         along = ax * x + ay * y + az * z
         sine = sine - 4.0 * lever2 * w * along
         cosine = cosine + 2.0 * lever2 * (w * w - along * along)
-    return xp.atan2(sine, cosine)
+    best = xp.atan2(sine, cosine)
+    if level is not None:
+        ux, uy, uz = ay * rz - az * ry, az * rx - ax * rz, ax * ry - ay * rx
+        flat = ux * ux + uy * uy
+        rest = uz * uz + DAMPED * (flat + uz * uz) + STILL * lever2
+        best = xp.clip(best * (flat + rest) / (level * flat + rest), -pi, pi)
+    return best
 
 
 def after_step(

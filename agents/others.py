@@ -136,7 +136,7 @@ def part_of_step(joints: int) -> float:
 def left_by_others(
     xp: Namespace, links: tuple[Link, ...], own: int, arm: ArmPose, off: Off, goal: Vector,
     lever2: float, horizon: float, places: Sequence[Number], speeds: Sequence[Number],
-    shares: Sequence[Number], elapsed: float, fading: float,
+    shares: Sequence[Number], elapsed: float, fading: float, level: Number | None,
 ) -> tuple[Number, Sequence[Number]]:  # fmt: skip
     """Return the best step of a joint after those beyond it, and the change x of each, its first.
 
@@ -156,6 +156,7 @@ def left_by_others(
         shares: eta, from the joint's own.
         elapsed: From one decision to the next [s].
         fading: Share of its speed that is left, from one decision to the next.
+        level: See `best_step`.
     """
     step: Number = 0.0
     changes = []
@@ -165,7 +166,7 @@ def left_by_others(
         slides, lower, upper, top, acceleration = links[index]
         place, speed = places[index], speeds[index]
         axis, point = arm.axis_parts[index], arm.point_parts[index]
-        step = best_step(xp, off, goal, lever2, axis, point, slides)
+        step = best_step(xp, off, goal, lever2, axis, point, slides, level)
         gain = acceleration * elapsed
         rest = fading * speed
         least = maximum(-top, speed - gain) - rest

@@ -34,6 +34,21 @@ def test_a_joint_never_asks_for_more_than_its_speed_limit(body, percepts, arph):
     assert speed == pytest.approx(arph.max_speed[1])
 
 
+@pytest.mark.parametrize("ahead", [-1.0, 1.0])
+@pytest.mark.parametrize("up", [-0.1, 0.1])
+def test_height_comes_first_while_the_platform_has_to_come(body, percepts, arph, ahead, up):
+    """The arm alone makes good that, so an elbow does, at once, wherever else the goal is."""
+    speed = JointAgent(body(2)).decide(percepts((ahead, 0.0, up)))
+    arm = kinematics_of(arph).forward(START, np.zeros(3))
+    rises = np.cross(arm.axes[2], arm.tip - arm.points[2])[2]
+    assert speed * np.sign(rises * up) > 0.9 * arph.max_speed[2]
+
+
+def test_for_a_place_far_off_at_its_height_an_arm_does_not_stretch(body, percepts, arph):
+    seen = percepts((1.5, 0.0, 0.0))
+    assert abs(JointAgent(body(1)).decide(seen)) < 0.01 * arph.max_speed[1]
+
+
 def test_a_joint_that_serves_a_steady_goal_goes_on_as_it_goes(body, percepts, arph):
     speeds = np.array([0.1, 0, 0, 0, 0, 0])
     arm = kinematics_of(arph).forward(START, np.zeros(3))

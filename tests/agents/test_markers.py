@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from agents import markers
 from agents.agent import Goal
 from agents.markers import (
     Aim,
@@ -60,6 +61,25 @@ def test_no_other_step_of_a_joint_costs_less(seven, joint, slides, free):
         for more in (0.0, *np.linspace(-3.0, 3.0, 40))
     ]
     assert costs[0] == pytest.approx(min(costs))
+
+
+@pytest.mark.parametrize("level", [1.0, 0.3, 1e-3])
+@pytest.mark.parametrize("slides", [False, True])
+@pytest.mark.parametrize("joint", range(6))
+def test_no_other_small_step_costs_less_where_the_level_counts_less(
+    seven, monkeypatch, joint, slides, level
+):
+    monkeypatch.setattr(markers, "DAMPED", 0.0)
+    xp, arm, _, off, _ = hand_and_aim(seven, joint, "all")
+    axis, point, (x, y, z) = arm.axis_parts[joint], arm.point_parts[joint], off[0]
+    place = x + 1e-6, y - 3e-6, z + 2e-6
+
+    def costs(step):
+        (ex, ey, ez), _ = after_step(xp, off, step, axis, point, slides)
+        return level * ((ex - place[0]) ** 2 + (ey - place[1]) ** 2) + (ez - place[2]) ** 2
+
+    best = best_step(xp, off, place, LEVER2, axis, point, slides, level)
+    assert costs(best) == pytest.approx(min(costs(best * x) for x in np.linspace(0.5, 1.5, 101)))
 
 
 @pytest.mark.parametrize("name", ["arph", "telescope"])

@@ -90,7 +90,7 @@ def left_by_a_sweep(robot, size: float = 1e-3):
     links = links_of(Body(robot, 0, PERIOD, [1]))
     _, changes = left_by_others(
         MANY, links, 0, arm, (arm.tip_parts, None), tuple(goal.T), 1.0, 0.12, list(q.T),
-        [np.zeros(200)] * robot.n, [1.0] * robot.n, PERIOD, FADING,
+        [np.zeros(200)] * robot.n, [1.0] * robot.n, PERIOD, FADING, None,
     )  # fmt: skip
     there = forward(q + 0.12 * np.stack(changes, -1)).tip
     return np.linalg.norm(there - goal, axis=-1) / size

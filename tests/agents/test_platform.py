@@ -219,6 +219,17 @@ def test_a_hand_that_one_joint_lifts_is_expected_on_its_circle(arph, joint):
     np.testing.assert_allclose([shift[0].real, shift[0].imag], way[:2], atol=1e-4)
 
 
+@pytest.mark.parametrize("joint", [1, 2])
+def test_a_joint_that_moves_a_hand_across_hides_little_of_what_another_one_lifts(arph, joint):
+    arm, moved = kinematics_of(arph).forward(np.array(START), np.zeros(3)), np.zeros(6)
+    height = np.array([arm.tip[2] + 0.1])
+    moved[joint] = 0.1**2
+    alone, _ = lifted(arm, moved, height, ROOM, 1e-6)
+    moved[0] = 0.05**2
+    beside, _ = lifted(arm, moved, height, ROOM, 1e-6)
+    assert 0.85 < (beside[0] / alone[0]).real < 1.0
+
+
 def test_a_hand_that_nothing_lifts_is_expected_where_it_is(arph):
     arm = kinematics_of(arph).forward(np.array(START), np.zeros(3))
     shift, slope = lifted(arm, np.zeros(6), np.array([1.2]), ROOM, 1e-3)
