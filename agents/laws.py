@@ -132,7 +132,8 @@ class LineByModel:
             missing = xp.sqrt(cost(off, aim.place, self._lever2))
             moving = xp.sqrt(moved(goes, turns, self._lever2))
             kick = self._kicks.watched(xp, last.kick, goal, t, missing, moving, q, base, near**2)
-        own, most = self._links[index], self._links[index].speed
+        own = self._links[index]
+        most: Number = own.speed
         if kick is not None:
             by_chance = t < kick.until
             step = xp.where(by_chance, kick.places[index] - places[index], step)

@@ -163,6 +163,7 @@ def test_without_the_platform_the_hand_goes_nearly_as_far_as_it_reaches(arph):
     shoulder = trace.base[-1, :2]
     stretched = np.linalg.norm(trace.hand[-1, :2] - shoulder)
     assert stretched > 0.68  # towards the goal, not fallen short of it
+    assert np.abs(np.rad2deg(trace.q[-1, 2])) < 30
 
 
 def test_no_model_is_needed(arph):

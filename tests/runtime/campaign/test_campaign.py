@@ -82,7 +82,7 @@ def test_a_run_that_misses_is_reported_with_the_command_that_repeats_it(
     [
         (("--runs", "0"), "--runs 0: must be at least 1, such as 10"),
         (("--set", "duration=null"), "a campaign needs both `goal` and `duration`"),
-        (("--kill", "platform@1"), "the goal is not within reach: the hand would end 1."),
+        (("--kill", "platform@1"), "the goal is not within reach: the hand would end 1.1"),
         (("--partition", "local@3:1s"), "cannot be broken from here"),
     ],
 )
