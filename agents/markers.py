@@ -218,9 +218,7 @@ def best_step(
         gx, gy = ex + level * (gx - ex), ey + level * (gy - ey)
     if slides:
         best = ax * (gx - ex) + ay * (gy - ey) + az * (gz - ez)
-        if level is not None:
-            best = best * (1.0 + DAMPED) / (level * (ax * ax + ay * ay) + az * az + DAMPED)
-        return best
+        return best if level is None else best * _longer(axis, level, 0.0)
     px, py, pz = point
     rx, ry, rz = ex - px, ey - py, ez - pz
     sx, sy, sz = gx - px, gy - py, gz - pz
@@ -239,11 +237,17 @@ def best_step(
         cosine = cosine + 2.0 * lever2 * (w * w - along * along)
     best = xp.atan2(sine, cosine)
     if level is not None:
-        ux, uy, uz = ay * rz - az * ry, az * rx - ax * rz, ax * ry - ay * rx
-        flat = ux * ux + uy * uy
-        rest = uz * uz + DAMPED * (flat + uz * uz) + STILL * lever2
-        best = xp.clip(best * (flat + rest) / (level * flat + rest), -pi, pi)
+        way = ay * rz - az * ry, az * rx - ax * rz, ax * ry - ay * rx
+        best = xp.clip(best * _longer(way, level, STILL * lever2), -pi, pi)
     return best
+
+
+def _longer(way: Vector, level: Number, still: Number) -> Number:
+    """Return by what a step is the longer, of a joint that moves the hand that way (3) a unit."""
+    x, y, z = way
+    flat = x * x + y * y
+    rest = z * z + DAMPED * (flat + z * z) + still
+    return (flat + rest) / (level * flat + rest)
 
 
 def after_step(
