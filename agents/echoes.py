@@ -59,7 +59,7 @@ class Echoes(NamedTuple):
         place, start: Of the platform then, and at the first look [m].
         went: Its way so far [L].
         points, since: (P,) echoes [m], and how far it had gone then [L].
-        come: Arcs of echoes from where it was free, at this look [m].
+        come: Arcs of echoes from where it was free, at the last measurement [m].
         waits: Until when what two looks, one after the other, have seen to come may move [s].
         lately, looked: (3, N, S) of the last looks, and of those from places apart: sensors [m],
             where they looked, and how far it was free [m].
@@ -107,6 +107,7 @@ class Sonar:
         off = 0.5 * belt.cone * np.linspace(-1.0, 1.0, ACROSS)
         self._arc: Places = np.exp(1j * (bearing[:, None] + off))
         self._turns = outline.radius + SPACING * reach
+        self._repeats = belt.rate is not None  # what was measured last, until it measures again
         steps = reach * np.linspace(0.0, 1.0, DEEP) ** 2
         self._ends: Array = outline.ways_out(self.at, self.axis)[:, None].clip(0.0) + steps
 
@@ -135,13 +136,16 @@ class Sonar:
         went = old.went + abs(place - old.place) / self._reach
         now = np.stack([origins, axes, nearer - CLOSE * self._reach])[:, None]
         echoes = nearer < self._most
-        # what was free before and is not any more
-        arcs = (origins[:, None] + turn * self._arc * nearer[:, None])[echoes]
-        was_free = self._within(arcs, old.lately)
-        come = arcs[was_free.all(axis=-1)].ravel()
-        again = np.abs(come[:, None] - old.come) < 2 * SPACING * self._reach
-        # the rim of a cone may have looked past a thing once
-        waits = t + FADES * self._unit if again.any() else old.waits
+        # what was free before and is not any more: only by what was measured from here
+        come, waits = old.come, old.waits
+        repeated = np.array_equal(measured[-2], measured[-1], equal_nan=True)
+        if not (self._repeats and repeated):
+            arcs = origins[:, None] + turn * self._arc * measured[-1][:, None]
+            arcs = arcs[measured[-1] < self._most]
+            come = arcs[self._within(arcs, old.lately).all(axis=-1)].ravel()
+            again = np.abs(come[:, None] - old.come) < 2 * SPACING * self._reach
+            # the rim of a cone may have looked past a thing once
+            waits = t + FADES * self._unit if again.any() else waits
         looked = old.looked
         if looked.shape[1] > 1 and np.abs(origins - looked[0, -2]).max() < SPACING * self._reach:
             looked = looked[:, :-1]  # it is where it was

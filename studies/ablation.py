@@ -21,7 +21,7 @@ from studies.cases.drawn import TUNING, drawn
 from studies.cases.kind import Kind, judged, play, team
 from studies.course_runs import drive, society
 from studies.mobile import ARPH
-from studies.obstacles import largest_error, line_beside
+from studies.obstacles import ASIDE, largest_error, line_beside
 from studies.planar_reach import anywhere
 from studies.study import Findings, Progress, Row, Study, share
 
@@ -89,8 +89,6 @@ SAMPLED = (
 POSE, _, LOCKED = posed.TASKS
 CHAIN = 5
 """Joints of the arms whose commands act a period late."""
-ASIDE = 0.02
-"""Error of a hand whose platform goes round a box, up to which that goes well [m]."""
 
 
 class Score(NamedTuple):
@@ -216,7 +214,7 @@ def _held_out(count: int, which: slice) -> Score:
 def _beside() -> Score:
     run = drive(line_beside(), society())
     error = largest_error(run)
-    return Score(int(error < ASIDE and not run.contacts), 1, error)
+    return Score(int(error <= ASIDE and not run.contacts), 1, error)
 
 
 def arm_samples(size: float) -> Samples:

@@ -35,6 +35,8 @@ _SIGHT = RangeFinder(BELT, 0)
 SETTLING = 2.0
 """After which errors on the line beside one thing count [s]."""
 LENGTH = 2.5  # [m]
+ASIDE = 0.02
+"""Error of the hand, up to which that goes well [m]."""
 BESIDE = WorldObject(name="box", box=(0.4, 0.4, 0.5), position=(1.4, 0.1, 0.25), fixed=True)
 """The thing beside a straight path: in the way of the platform, not of the hand."""
 
@@ -252,9 +254,11 @@ def largest_error(run: Run) -> float:
 
 
 def _beside(run: Run) -> Row:
-    aside = float(np.abs(run.base[:, 1] - run.base[0, 1]).max())
-    said = f"{1e3 * largest_error(run):.1f} mm at most, platform {aside:.2f} m aside"
-    return Row("hand on a line beside a box", "", said + (", touched" if run.contacts else ""))
+    aside, error = float(np.abs(run.base[:, 1] - run.base[0, 1]).max()), largest_error(run)
+    said = f"{1e3 * error:.1f} mm at most, platform {aside:.2f} m aside"
+    said += ", touched" if run.contacts else ""
+    met = error <= ASIDE and not run.contacts
+    return Row("hand on a line beside a box", f"at most {1e3 * ASIDE:g} mm", said, met)
 
 
 CLAIMS: tuple[Claim, ...] = (

@@ -92,21 +92,29 @@ def test_only_the_nearest_echoes_are_kept(monkeypatch):
     assert len(echoes.points) == 3
 
 
-def waits(*sights):
-    echoes = looks(*sights)
+def waits(*sights, sonar=None):
+    echoes = looks(*sights, sonar=sonar)
     return echoes.t < echoes.waits
 
 
-def test_what_comes_where_it_was_free_moves_by_itself():
+@pytest.mark.parametrize("sensor", [0, 3, 7])
+def test_what_comes_where_it_was_free_moves_by_itself(sensor):
     still = (0.0, 0.0, 0.0)
-    stands = [(0.1 * n, still, echo(3, 1.0)) for n in range(5)]
+    stands = [(0.1 * n, still, echo(sensor, 1.0)) for n in range(5)]
     assert not waits(*stands)
     came = [(0.1 * n, still, FREE) for n in range(3)]
-    comes = [(0.1 * n, still, echo(3, 1.0)) for n in range(3, 5)]
+    comes = [(0.1 * n, still, echo(sensor, 1.0)) for n in range(3, 5)]
     assert not waits(*came, comes[0]), "once is no proof"
     assert waits(*came, *comes)
-    later = [(0.1 * n, still, echo(3, 1.0)) for n in range(3, 60)]
+    later = [(0.1 * n, still, echo(sensor, 1.0)) for n in range(3, 60)]
     assert not waits(*came, *later), "it stands now"
+
+
+def test_what_was_measured_before_it_turned_does_not_come_as_it_turns():
+    sights = [(0.06 * n, (0.0, 0.0, turn), echo(3, 1.0)) for n, turn in enumerate((0.0, 0.55, 0.6))]
+    assert waits(*sights), "measured anew at each look"
+    slow = Sonar(replace(BELT, rate=10.0), OUTLINE, REACH, UNIT)
+    assert not waits(*sights, sonar=slow), "measured once, and published again"
 
 
 def test_before_a_lost_sensor_there_may_be_something_until_others_have_looked():

@@ -11,9 +11,16 @@ from agents.agent import Array
 from agents.outline import Outline
 from plant.world import ObjectPath, WorldObject
 from studies.cases.courses import CLEAR, GAP, course, crossing, edge_of
-from studies.course_runs import SEES, Run
+from studies.course_runs import SEES, Run, drive, society
 from studies.grid_planner import Grid, is_possible
-from studies.obstacles import Obstacles, led, stopping_spares
+from studies.obstacles import (
+    ASIDE,
+    Obstacles,
+    largest_error,
+    led,
+    line_beside,
+    stopping_spares,
+)
 from studies.study import Progress
 
 
@@ -51,6 +58,20 @@ def test_who_comes_from_where_no_sensor_looks_cannot_be_stopped_for(
     far = replace(course(4), world=(box(-9.0, 9.0, 0.2, 0.2),))
     run = Run(far, t, base, base, base[:, 1], False, (), "")
     assert stopping_spares(run, person, 5.9) == spared
+
+
+def test_a_hand_keeps_to_its_line_while_the_platform_makes_way_for_a_box() -> None:
+    run = drive(line_beside(), society())
+    assert run.reached
+    assert not run.contacts
+    assert largest_error(run) <= ASIDE
+
+
+def test_things_that_stand_are_not_waited_for() -> None:
+    one = course(3002)  # six things: it waited nine times for what stood, and took 55 s
+    run = drive(one, society(one.seed))
+    assert run.reached
+    assert run.took < 40.0
 
 
 def test_the_baselines_are_led_to_a_goal_that_stands() -> None:
