@@ -60,7 +60,7 @@ class Echoes(NamedTuple):
         went: Its way so far [L].
         points, since: (P,) echoes [m], and how far it had gone then [L].
         come: Arcs of echoes from where it was free, at the last measurement [m].
-        waits: Until when what two looks, one after the other, have seen to come may move [s].
+        waits: Until when what two measurements, one after the other, show to come may move [s].
         lately, looked: (3, N, S) of the last looks, and of those from places apart: sensors [m],
             where they looked, and how far it was free [m].
         measured: (`SURE`, S) what was measured lately [m]; NaN where a sensor is lost.
