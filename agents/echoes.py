@@ -138,14 +138,13 @@ class Sonar:
         echoes = nearer < self._most
         # what was free before and is not any more: only by what was measured from here
         come, waits = old.come, old.waits
-        repeated = np.array_equal(measured[-2], measured[-1], equal_nan=True)
-        if not (self._repeats and repeated):
+        if not (self._repeats and np.array_equal(old.measured[-1], measured[-1], equal_nan=True)):
             arcs = origins[:, None] + turn * self._arc * measured[-1][:, None]
             arcs = arcs[measured[-1] < self._most]
             come = arcs[self._within(arcs, old.lately).all(axis=-1)].ravel()
             again = np.abs(come[:, None] - old.come) < 2 * SPACING * self._reach
-            # the rim of a cone may have looked past a thing once
-            waits = t + FADES * self._unit if again.any() else waits
+            if again.any():  # the rim of a cone may have looked past a thing once
+                waits = t + FADES * self._unit
         looked = old.looked
         if looked.shape[1] > 1 and np.abs(origins - looked[0, -2]).max() < SPACING * self._reach:
             looked = looked[:, :-1]  # it is where it was

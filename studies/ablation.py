@@ -21,7 +21,7 @@ from studies.cases.drawn import TUNING, drawn
 from studies.cases.kind import Kind, judged, play, team
 from studies.course_runs import drive, society
 from studies.mobile import ARPH
-from studies.obstacles import ASIDE, largest_error, line_beside
+from studies.obstacles import keeps_to_line, largest_error, line_beside
 from studies.planar_reach import anywhere
 from studies.study import Findings, Progress, Row, Study, share
 
@@ -213,8 +213,7 @@ def _held_out(count: int, which: slice) -> Score:
 
 def _beside() -> Score:
     run = drive(line_beside(), society())
-    error = largest_error(run)
-    return Score(int(error <= ASIDE and not run.contacts), 1, error)
+    return Score(int(keeps_to_line(run)), 1, largest_error(run))
 
 
 def arm_samples(size: float) -> Samples:

@@ -253,12 +253,17 @@ def largest_error(run: Run) -> float:
     return float(run.error[run.t >= SETTLING].max())
 
 
+def keeps_to_line(run: Run) -> bool:
+    """Tell whether the hand kept to the line beside a box, and nothing was touched."""
+    return largest_error(run) < ASIDE and not run.contacts
+
+
 def _beside(run: Run) -> Row:
-    aside, error = float(np.abs(run.base[:, 1] - run.base[0, 1]).max()), largest_error(run)
-    said = f"{1e3 * error:.1f} mm at most, platform {aside:.2f} m aside"
+    aside = float(np.abs(run.base[:, 1] - run.base[0, 1]).max())
+    said = f"{1e3 * largest_error(run):.1f} mm at most, platform {aside:.2f} m aside"
     said += ", touched" if run.contacts else ""
-    met = error <= ASIDE and not run.contacts
-    return Row("hand on a line beside a box", f"at most {1e3 * ASIDE:g} mm", said, met)
+    bar = f"below {1e3 * ASIDE:g} mm, touches nothing"
+    return Row("hand on a line beside a box", bar, said, keeps_to_line(run))
 
 
 CLAIMS: tuple[Claim, ...] = (
