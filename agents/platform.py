@@ -20,9 +20,9 @@ from plant.robot import Drive
 PLANS = 0.02
 """[L / v_max] Time from one plan to the next. Derived: 15 plans a second with ARPH, as often as
 the paper's control loop runs."""
-PARTS = 4
-"""[] Parts that a plan is worked out in, at one decision or more: at least 1 / PARTS of the time
-from plan to plan. Measured: no part takes longer than 0.4 ms, and the answers in between
+PARTS = 7
+"""[] Parts that a plan is worked out in, at one decision or more, within 1 / PARTS of the time from
+plan to plan. Measured: none takes longer than a quarter of the whole, and the answers in between
 are as soon as other agents'."""
 SOON = 0.12
 """[L / v_max] Time constant with which the arm corrects the hand's height, and over which its
@@ -277,6 +277,7 @@ class PlatformAgent(Agent):
             known = np.asarray(view.modelled, dtype=float) * turn
             hand_then = hand_then + known[..., None] * shift
             arm_drift = arm_drift - known * slope * drift[..., 2]
+        yield
         far = arm_drift * self._fades  # sooner the faster it is: a swing ends
         far = far / (1 + np.abs(far) / (SWINGS * self._length))
         hand_then = hand_then + far[..., None] * self._faded

@@ -175,6 +175,7 @@ class Planner:
         first = held if before is None else before[..., None, :, :]
         plans = np.concatenate([np.zeros_like(held), held, *others, first], axis=-3)
         tail = tail_of(course.going, course.bend, course.hand, self.times, self.end)
+        yield
         tried = self._tried(course, tail, plans.clip(least, most))
         index = np.full((*course.goal.shape[:-1], 2), plans.shape[-3] - 1)
         index[..., 1] = tried.cost[..., :-1].argmin(axis=-1)
@@ -333,6 +334,7 @@ class Planner:
         tried = at[..., None, :] + self._shares * step[..., None, :]
         tried = tried.clip(low[..., None, :], high[..., None, :])
         tried = tried.reshape(*tried.shape[:-1], 2, INTERVALS).mT
+        yield
         return self._tried(course, tail, tried.reshape(*tried.shape[:-4], -1, INTERVALS, 2))
 
     def _seeds(self, course: Course) -> Array:

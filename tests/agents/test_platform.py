@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from agents import in_parts, platform
 from agents.agent import AgentError, Body, Goal, Joints, Percepts
 from agents.attitude import product, rotation_by
 from agents.lifting import lifted
@@ -52,6 +53,18 @@ def test_the_change_of_its_speeds_takes_it_neither_backwards_nor_beyond_its_limi
         assert (np.abs(later) <= [arph.drive.max_linear, arph.drive.max_angular]).all()
         slowest = min(slowest, agent.change[0])
     assert slowest < 0, "it did brake"
+
+
+def test_a_plan_is_worked_out_in_as_many_parts_as_it_says(arph, percepts, monkeypatch):
+    done = []
+    monkeypatch.setattr(
+        platform, "advance", lambda *work: done.append(in_parts.advance(*work)) or done[-1]
+    )
+    agent = PlatformAgent(Body(arph, None, 0.001, 0))
+    for tick in range(400):
+        agent.decide(percepts((0.3, 0.1, 0.0), t=0.001 * tick))
+    first, second = np.flatnonzero([each is not None for each in done])[1:3]
+    assert second - first == platform.PARTS
 
 
 @pytest.mark.parametrize("side", [1, -1])
