@@ -10,6 +10,8 @@ import secrets
 from pathlib import Path
 from typing import NamedTuple
 
+from runtime.atomic import write_atomically
+
 FILE = "page.json"
 _BYTES = 24  # of a token: 192 bits, which nobody guesses
 
@@ -56,8 +58,10 @@ def find_address(run: Path) -> Address | None:
 
 def keep_address(run: Path, address: Address) -> None:
     """Write the address into a run's folder, for its owner's eyes only, whole or not at all."""
-    file = run / f".{FILE}.{os.getpid()}"
-    handle = os.open(file, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
-    with os.fdopen(handle, "w") as out:
-        json.dump({"page": address.page} | address._asdict(), out)
-    os.replace(file, run / FILE)
+
+    def write(file: Path) -> None:
+        handle = os.open(file, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+        with os.fdopen(handle, "w") as out:
+            json.dump({"page": address.page} | address._asdict(), out)
+
+    write_atomically(run / FILE, write)

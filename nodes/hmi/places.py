@@ -10,6 +10,7 @@ import msgspec
 from nodes.hmi.protocol.incoming import Target
 from nodes.hmi.protocol.values import Name, Pose
 from plant.errors import MsmaError
+from runtime.atomic import write_atomically
 
 _MOST = 64
 
@@ -65,11 +66,10 @@ class SavedPlaces:
         """Write all, and change what is known only if that succeeds."""
         if self.error:
             raise PlacesError(f"{self.error}; repair or remove it first")
-        new = self._file.with_suffix(".new")
+        text = msgspec.json.format(msgspec.json.encode(places))
         try:
             self._file.parent.mkdir(parents=True, exist_ok=True)
-            new.write_bytes(msgspec.json.format(msgspec.json.encode(places)))
-            os.replace(new, self._file)
+            write_atomically(self._file, lambda new: new.write_bytes(text))
         except OSError as error:
             raise PlacesError(f"{self._file}: {error.strerror}") from None
         self._places = places

@@ -12,6 +12,7 @@ from contextlib import suppress
 
 from plant.plant import Commands, Readings
 from plant.robot import numbers
+from runtime.atomic import write_atomically
 from runtime.errors import RunError
 from runtime.gate.fingers import Fingers
 from runtime.gate.gate import LEASE, Gate, GateError
@@ -111,9 +112,7 @@ class OperatorInput:
         """Keep what a plant that is revived in the same run has to know."""
         with self._keeping, suppress(OSError):  # the disk is full
             text = json.dumps({"mode": self.gate.mode, "halted_by": self.gate.halted_by})
-            new = self._file.with_suffix(".new")
-            new.write_text(text, encoding="utf-8")
-            new.replace(self._file)
+            write_atomically(self._file, lambda new: new.write_text(text, encoding="utf-8"))
 
     def _fits(self, jog: JogMessage) -> None:
         if len(jog.joints) not in (0, self._n):

@@ -5,11 +5,11 @@ import math
 import shlex
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from runtime.atomic import write_atomically
 from runtime.config.deployment import Deployment, Tolerance
 from runtime.processes.lifetime import FAILED, INTERRUPTED, OK
 from runtime.results.evaluation import SETTLING, Evaluation, Lost, Tracking, evaluate
@@ -123,13 +123,9 @@ def _degrees(angle: float) -> str:
 
 def save(file: Path, write: Callable[[Path], object]) -> str:
     """Let `write` write a file; return why it could not, or "". It is there whole or not at all."""
-    new = file.with_name(f".{file.name}")  # `write` may look at how the name ends
     try:
-        write(new)
-        new.replace(file)
+        write_atomically(file, write)
     except OSError as error:
-        with suppress(OSError):
-            new.unlink(missing_ok=True)
         return f"  {file} cannot be written: {error.strerror or error}"
     return ""
 

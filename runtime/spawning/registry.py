@@ -17,6 +17,7 @@ from zlib import crc32
 
 import msgspec
 
+from runtime.atomic import write_atomically
 from runtime.errors import RunError
 from runtime.processes.log_writer import new_run_folder
 from runtime.spawning.identity import ProcessId, processes_in
@@ -141,9 +142,8 @@ def register(run: RegisteredRun) -> None:
     """Note a run; if that cannot be, tools find it by its file only."""
     with suppress(OSError, RunError):
         file = registry() / f"{run.robot}.{run.port}.{_identity(run.folder)}.json"
-        new = file.with_suffix(".new")
-        new.write_bytes(msgspec.json.encode(run, enc_hook=str))
-        new.replace(file)
+        text = msgspec.json.encode(run, enc_hook=str)
+        write_atomically(file, lambda new: new.write_bytes(text))
 
 
 def forget(robot: str, folder: Path) -> None:
@@ -202,9 +202,7 @@ def _enter(deployment: "Deployment", folder: Path | None) -> "tuple[Deployment, 
         folder = (folder or new_run_folder(deployment.runs, deployment.robot)).absolute()
         folder.mkdir(parents=True, exist_ok=True)
         if not (file := folder / "deployment.yaml").exists():
-            new = file.with_suffix(f".{os.getpid()}")  # others find it as a whole or not at all
-            new.write_text(deployment.dump(), encoding="utf-8")
-            new.replace(file)
+            write_atomically(file, lambda new: new.write_text(deployment.dump(), encoding="utf-8"))
     except OSError as error:
         why = error.strerror or error
         raise RunError(f"the folder of the run cannot be written: {why}") from None

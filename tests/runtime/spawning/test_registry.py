@@ -11,6 +11,7 @@ import msgspec
 import pytest
 
 from runtime.config.deployment import Deployment, load
+from runtime.errors import RunError
 from runtime.spawning import registry
 from runtime.spawning.identity import ProcessId, start_line
 from runtime.spawning.registry import (
@@ -162,6 +163,21 @@ def test_what_a_run_s_first_process_still_writes_is_read_by_no_other(
     join_run(deployment, tmp_path)
     assert there == [False]
     assert load(tmp_path / "deployment.yaml").dump() == deployment.dump()
+
+
+def test_a_full_disk_is_said_and_leaves_nothing_half_written(
+    deployment: Deployment, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write = Path.write_text
+
+    def write_half(path: Path, text: str, **more: str) -> int:
+        write(path, text[: len(text) // 2], **more)
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_text", write_half)
+    with pytest.raises(RunError, match="No space left"):
+        join_run(deployment, tmp_path / "run")
+    assert not [*(tmp_path / "run").iterdir()]
 
 
 def test_a_robot_whose_ports_another_has_takes_the_next_and_keeps_them(
