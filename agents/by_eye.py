@@ -108,8 +108,6 @@ class LineByEye:
     LAGS = 6
     """[1] Lags that the eye may have: none, half a window and so on. Chosen: up to an eighth of a
     second."""
-    FURTHER = 1.2
-    """[horizons] That it looks ahead. Searched: what it sees is rougher than what a model tells."""
     GAIN = 0.22
     """[1] b, share of the turn asked for that it makes. Searched: all the others answer too."""
     CAUTION = 0.22
@@ -120,22 +118,19 @@ class LineByEye:
     """[rad/s] Largest speed of the move by chance. Chosen by hand."""
     MOST = 0.57
     """[1] Share of its top speed. Searched: it learns as fast as its column changes."""
-    UNSEEN = 1.6
-    """[reaches/rad] Of its own turning, that counts as the hand's way where turns are not seen.
-    Chosen by hand."""
 
     def __init__(self, body: Body, *, horizon: float, memory: float, top_speed: float) -> None:
         """Know nothing yet of what its turning does.
 
         Args:
             body: Which joint of which robot.
-            horizon: How far ahead it looks, and further [s].
+            horizon: How far ahead it looks [s].
             memory: In which a motion dies down that nothing asks for, sooner where eyes tremble
                 [s].
             top_speed: [rad/s or m/s].
         """
         self._body = body
-        self._horizon, self._memory = self.FURTHER * horizon, memory
+        self._horizon, self._memory = horizon, memory
         self._gap = TRUST * horizon  # an older sight says nothing of a speed now
         self._top_speed = top_speed
         self._window = max(self.WINDOW, body.period)
@@ -211,8 +206,8 @@ class LineByEye:
         if self._before is not None:
             awake = self._awake * elapsed
             gone = awake * _length(self._eye.velocity)
-            if not self._lengths.lever:
-                gone = gone + awake * self.UNSEEN * np.abs(speed[0])
+            if not self._lengths.lever:  # its own turning counts as the hand's, unseen
+                gone = gone + awake * np.abs(speed[0])
             self._own.learn(
                 speed - self._before[0], chance - self._before[1], drift - self._before[2],
                 elapsed=awake, gone=gone, trust=self._eye.trust,

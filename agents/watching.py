@@ -28,10 +28,8 @@ class SteadyEye:
     """[1] Share kept of what is known of the trembling, and of what others do, at each sight.
     Chosen: a mean of 20."""
     CHANCE = 0.03
-    """[1] Of the differences' variance, that may look like trembling by chance. Searched."""
-    MOVES = 1e-3
-    """[1] Of the differences' variance, that is motion at least. Chosen: an eye that sees nothing
-    but its own trembling is then trusted by a third."""
+    """[1] Of the differences' variance, that may look like trembling by chance, and that is motion
+    at least. Searched."""
 
     def __init__(self) -> None:
         """Have seen nothing yet."""
@@ -73,7 +71,7 @@ class SteadyEye:
         tiny = 1e-28  # more than rounding makes of it
         trembling = np.maximum(-self._fall / 4.0 - self.CHANCE * self._spread, tiny)
         expected = (1.0 + 4.0 + 1.0) * trembling  # of a second difference, 1 - 2 + 1
-        moving = np.maximum(self._spread - expected, self.MOVES * self._spread) + tiny
+        moving = np.maximum(self._spread - expected, self.CHANCE * self._spread) + tiny
         index = 0.5 * np.sqrt(moving / trembling)  # of tracking, by 2
         root = 1.0 / (1.0 + 0.5 * (index + np.sqrt(4.0 * index + index * index)))
         trust: Array = 1.0 - root * root
@@ -94,9 +92,8 @@ class Content:
     AGAIN = 1.5
     """[1] Of the trembling, from which on it no longer rests. Chosen: chance wakes nobody."""
     MEMORY = 1.0
-    """[s] Of which the mean of what is missing is taken. Chosen: 20 sights."""
-    CALM = 3.0
-    """[1] Times as long while it rests, of the trembling too. Chosen: nothing then needs haste."""
+    """[s] Of which the mean of what is missing is taken, of the trembling too while it rests.
+    Chosen: 20 sights."""
 
     def __init__(self) -> None:
         """Have seen nothing yet."""
@@ -117,9 +114,8 @@ class Content:
         """
         if self._missing is None:
             self._missing = missing
-        memory = np.where(self._content, self.CALM * self.MEMORY, self.MEMORY)
-        new = 1.0 - np.exp(-elapsed / memory)
-        self._missing = self._missing + new[..., None] * (missing - self._missing)
+        new = 1.0 - np.exp(-elapsed / self.MEMORY)
+        self._missing = self._missing + new * (missing - self._missing)
         new = np.where(self._content, new, 1.0)
         self._trembling = self._trembling + new * (trembling - self._trembling)
         most = np.where(self._content, self.AGAIN, self.NEAR) ** 2 * self._trembling
@@ -158,8 +154,6 @@ class OwnColumn:
     for long which lag is believed.
     """
 
-    LENGTH = 0.8
-    """[reaches/rad] How long the column may be before anything was seen. Chosen by hand."""
     DOUBT = 0.05
     """[reaches/rad] Of a column that a model told. Chosen: it was told a moment ago."""
     CARRIED = 1.6
@@ -174,7 +168,7 @@ class OwnColumn:
     """[1] Of one sight as evidence. Searched: successive sights are not independent."""
 
     def __init__(self, lags: Array, size: int, known: Array | None = None) -> None:
-        """Know nothing but a length to expect, or what the column is.
+        """Know what the column is, or only that a joint moves the hand by a reach a radian at most.
 
         Args:
             lags: (H,) those thought possible [s].
@@ -184,9 +178,10 @@ class OwnColumn:
         self._lags = lags
         self._way: Array | None = None
         first = np.zeros(size) if known is None else known
-        doubt = self.LENGTH if known is None else self.DOUBT
         batch = first.shape[:-1]
-        self.column = Column(first, np.full(batch, doubt**2), np.zeros(batch))
+        self._most = 1.0 / size  # of the variance of each component
+        variance = np.full(batch, self._most if known is None else self.DOUBT**2)
+        self.column = Column(first, variance, np.zeros(batch))
 
     def learn(
         self, speed: Array, chance: Array, velocity: Array, *, elapsed: Array, gone: Array,
@@ -212,7 +207,7 @@ class OwnColumn:
             column = (-1, *[1] * (speed.ndim - 1))
             self._evidence = np.zeros(many) - self.PROMPT * self._lags.reshape(column)
         variance = self._variance + (self.CARRIED * gone) ** 2
-        variance = np.minimum(variance, 2.0 * self.LENGTH**2)
+        variance = np.minimum(variance, 2.0 * self._most)
         telling = chance + trust * (speed - chance)
         surprise = velocity - self._way * speed[..., None]
         seen = (surprise * surprise).sum(axis=-1) / surprise.shape[-1]
