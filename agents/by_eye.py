@@ -206,7 +206,7 @@ class LineByEye:
         if self._before is not None:
             awake = self._awake * elapsed
             gone = awake * _length(self._eye.velocity)
-            if not self._lengths.lever:  # its own turning counts as the hand's, unseen
+            if not self._lengths.lever:  # how the hand turns is unseen: a radian counts as a reach
                 gone = gone + awake * np.abs(speed[0])
             self._own.learn(
                 speed - self._before[0], chance - self._before[1], drift - self._before[2],
