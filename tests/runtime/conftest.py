@@ -42,6 +42,8 @@ SOON = 15.0
 """Within which happens on a busy machine what takes less than a second on an idle one [s]."""
 DEADLINE = 60.0
 """For anything that is waited for, however busy the machine is [s]."""
+SLOWER = 1.0, 0.5, 0.25
+"""Shares of a run's speed to try one after the other, while a busy machine is too slow for it."""
 RUN_DEADLINE = 120.0
 """For a run of up to 24 s to end, however busy the machine is [s]."""
 
@@ -200,9 +202,9 @@ class Robot:
         out, err = launcher.communicate(timeout=RUN_DEADLINE)
         return launcher.returncode, out + err
 
-    def run_in_time(self, speed: float, *options: str, file: str) -> tuple[int, str]:
-        """Do so at a speed, or at half or a quarter of it if a busy machine was too slow for it."""
-        for share in (1.0, 0.5, 0.25):
+    def run_in_time(self, speed: float, *options: str, file: str = "arph.yaml") -> tuple[int, str]:
+        """Do so at a speed, or at `SLOWER` ones if a busy machine was too slow for it."""
+        for share in SLOWER:
             code, said = self.run("--speed", f"{share * speed:g}", *options, file=file)
             if code == 0 or self.is_in_time:
                 break
