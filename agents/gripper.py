@@ -12,6 +12,9 @@ from agents.number import ONE, components
 _NEAR = 1 / 8
 """[openings] How far off the goal the hand may be, of the largest opening. Derived: an object half
 as wide as that is still between the fingers, with as much to spare on either side."""
+TURNED = np.pi / 18
+"""[rad] By how much the hand may be turned otherwise to grip, and to be where a step of a task has
+it. Chosen: a cup that stands in a hand so turned stands all the same."""
 _REST = 0.05
 """[s] From one decision to the next. Chosen: a hand that is at its goal stays so for longer."""
 
@@ -32,7 +35,7 @@ class GripperAgent(Agent):
         *,
         effort: Annotated[float, "N"] | None = None,
         near: Annotated[float, "m"] | None = None,
-        turned: Annotated[float, "rad"] = np.pi / 18,
+        turned: Annotated[float, "rad"] = TURNED,
     ) -> None:
         """Become the agent of the robot's gripper.
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from agents.agent import Goal, Percepts
 from agents.attitude import Attitude, AttitudeError, Rate, turn_between, turning_of
+from agents.gripper import TURNED
 from agents.markers import aim_at, angle_off
 from agents.number import ONE, components
 from agents.paths import Path, PathError, Point, Speed
@@ -21,8 +22,6 @@ any delay leaves it behind, and nearer than the next step mostly is."""
 _LOOKS = 20
 """[] States of the plant without a word of a goal, after which there has been none. Derived: at
 least 0.2 s, while the plant publishes the last one 20 times a second."""
-_SHORTEST = 1e-3
-"""[s] Least time for a way. Chosen: so that one without a length is not divided by nothing."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,7 +47,7 @@ class Step:
     grip: Annotated[float, "m"] | None = None
     holds: bool = False
     tolerance: Annotated[float, "m"] = 0.01
-    turned: Annotated[float, "rad"] = np.pi / 18
+    turned: Annotated[float, "rad"] = TURNED
 
     def __post_init__(self) -> None:
         """Raise `PathError` for what no hand can do."""
@@ -193,7 +192,7 @@ class Sequence(Path):
         if start.orientation is not None and end.orientation is not None:
             turn, between = start.orientation, turn_between(start.orientation, end.orientation)
         times = np.linalg.norm(way) / self._speed, np.linalg.norm(between) / self._turning
-        lasts = max(float(max(times)), _SHORTEST)
+        lasts = max(float(max(times)), 1e-6)
         rates = None if turn is None else between / lasts
         self._index = index
         self._goal = Goal(
