@@ -109,9 +109,8 @@ class LineByEye:
     """[1] Lags that the eye may have: none, half a window and so on. Chosen: up to an eighth of a
     second."""
     GAIN = 0.22
-    """[1] b, share of the turn asked for that it makes. Searched: all the others answer too."""
-    CAUTION = 0.22
-    """[1] c, by which an uncertain column counts against a large turn. Searched."""
+    """[1] b, share of the best turn that it makes, as far as it is certain of its column. Searched:
+    all the others answer too."""
     DITHER = 0.09
     """[1] Size of the move by chance, of the one that closes the distance. Searched."""
     MOST_DITHER = 0.15
@@ -225,13 +224,13 @@ class LineByEye:
         column, eye = self._own.column, self._eye
         ahead = self._horizon + column.lag
         pace = _length(goes)
-        content = self._content.after(elapsed, missing, eye.trembling, pace > 0)
+        content = self._content.after(missing, eye.trembling, pace > 0)
         self._awake = np.where(content, 0.0, 1.0)
         later = missing + (goes - eye.velocity) * ahead[..., None]
         length = (column.way * column.way).sum(axis=-1)
-        asked = (column.way * later).sum(axis=-1) / (length + self.CAUTION * column.variance)
+        asked = (column.way * later).sum(axis=-1) / (length / self.GAIN + column.variance)
         lever = np.sqrt(length + column.variance)
-        steady = self.GAIN * eye.trust * asked / self._horizon
+        steady = eye.trust * asked / self._horizon
         if self._steady is not None:
             kept = np.exp(-elapsed / (self._memory * eye.trust**2))
             steady = steady + kept * self._steady

@@ -87,13 +87,9 @@ class Content:
     rests while the mean of what is missing is explained by trembling, and until it no longer is.
     """
 
-    NEAR = 0.5
-    """[1] Of the trembling, up to which what is missing is as good as none. Chosen by hand."""
-    AGAIN = 1.5
-    """[1] Of the trembling, from which on it no longer rests. Chosen: chance wakes nobody."""
-    MEMORY = 1.0
-    """[s] Of which the mean of what is missing is taken, of the trembling too while it rests.
-    Chosen: 20 sights."""
+    WAKES = 1.5
+    """[1] Times the trembling, from which on it no longer rests; the trembling is so many times as
+    much as what is as good as none. Chosen: chance wakes nobody."""
 
     def __init__(self) -> None:
         """Have seen nothing yet."""
@@ -102,23 +98,25 @@ class Content:
         self._content: npt.NDArray[np.bool_] | bool = False
 
     def after(
-        self, elapsed: float, missing: Array, trembling: Array, moving: npt.NDArray[np.bool_]
+        self, missing: Array, trembling: Array, moving: npt.NDArray[np.bool_]
     ) -> npt.NDArray[np.bool_]:
         """Return whether (...) to rest.
 
+        What counts as missing is the mean of as many sights as tell of the trembling, and so does
+        the trembling while it rests.
+
         Args:
-            elapsed: Since this was asked last [s].
             missing: (..., D) from the hand to the goal.
             trembling: (...) see `SteadyEye`.
             moving: (...) whether the goal moves.
         """
         if self._missing is None:
             self._missing = missing
-        new = 1.0 - np.exp(-elapsed / self.MEMORY)
+        new = 1.0 - SteadyEye.PATIENCE
         self._missing = self._missing + new * (missing - self._missing)
-        new = np.where(self._content, new, 1.0)
-        self._trembling = self._trembling + new * (trembling - self._trembling)
-        most = np.where(self._content, self.AGAIN, self.NEAR) ** 2 * self._trembling
+        known = np.where(self._content, new, 1.0)
+        self._trembling = self._trembling + known * (trembling - self._trembling)
+        most = np.where(self._content, self.WAKES, 1 / self.WAKES) ** 2 * self._trembling
         content: npt.NDArray[np.bool_] = (self._missing * self._missing).sum(axis=-1) < most
         content = content & ~moving
         self._content = content

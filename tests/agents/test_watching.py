@@ -129,7 +129,7 @@ def test_who_misses_no_more_than_trembling_explains_rests(
     mind = Content()
     for _ in range(60):
         seen = np.array([missing, 0.0, 0.0])
-        answer = mind.after(PERIOD, seen, np.array(trembling), np.array(moving))
+        answer = mind.after(seen, np.array(trembling), np.array(moving))
     assert answer == content
 
 
@@ -139,7 +139,7 @@ def test_who_rests_is_not_woken_by_less_than_what_kept_it_awake() -> None:
     def settled(missing: float) -> bool:
         for _ in range(60):
             seen = np.array([missing, 0.0, 0.0])
-            answer = mind.after(PERIOD, seen, np.array(1e-6), still)
+            answer = mind.after(seen, np.array(1e-6), still)
         return bool(answer)
 
     assert [settled(each) for each in (0.0008, 0.0001, 0.0008, 0.002)] == [False, True, True, False]
