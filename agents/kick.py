@@ -43,10 +43,10 @@ LASTS = 0.5
 """[1] of the time in which the slowest joint crosses its range, or a full turn, at top speed.
 Derived: from the middle of it that joint, too, comes to any place. With 0.175 arms are soon back in
 the posture before: of 400 with a joint locked 298 arrive, and 351 so (seed 4)."""
-CLOSE = 0.04, 3.0
-"""[reaches, 1] Hand and goal that are so close are given so many times as long: 1 loses 5
-of 100. A platform that has moved by more meanwhile gets on: with a twentieth of it, one that only
-creeps does too, and 34 of 576 standing goals with joints locked are lost (seeds 0 to 5)."""
+CLOSE = 0.04
+"""[reaches] A platform that has moved by more meanwhile gets on. Trade-off: with a twentieth of it,
+one that only creeps does too, and 34 of 576 standing goals with joints locked are lost (seeds 0 to
+5)."""
 SHAKEN = 0.08
 """[reaches] of hand and goal, within which a hand that moves is not at rest, but moved by what its
 joints do not want, and they make that good as it comes. A motor that turns at random at 50 % of its
@@ -98,7 +98,7 @@ class Kicks:
         """Move the joints of an arm that has a reach [m] and decides for a horizon [s]."""
         self._kinematics, self._horizon = kinematics_of(robot), horizon
         self._patience, self._reach = PATIENCE * robot.n * horizon, reach
-        self._close, self._reached = CLOSE[0] * reach, REACHED * reach
+        self._close, self._reached = CLOSE * reach, REACHED * reach
         self._shaken, self._lever2 = SHAKEN * reach, (LEVER * reach) ** 2
         self._low, self._high = ranges(robot)
         self._stops = robot.lower, robot.upper
@@ -151,8 +151,7 @@ class Kicks:
             before = x, y, turn
         gets_on = gets_on & (t >= until)
         reference, since = xp.where(gets_on, distance, reference), xp.where(gets_on, t, since)
-        patience = self._patience * xp.where(distance < self._close, CLOSE[1], 1.0)
-        patience = patience * max((t - stands) / (RARER * self._horizon), 1.0)
+        patience = self._patience * max((t - stands) / (RARER * self._horizon), 1.0)
         goes = (t - since > patience) & (distance > self._reached)
         if xp.any(goes):
             drawn = self._posture(np.asarray(goes), goal, t, q, made, base)

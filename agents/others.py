@@ -34,8 +34,6 @@ from plant.kinematics import ArmPose
 TRUST = 4.0
 """[horizons] in which what was seen of another fades, and after which a sight says nothing of a
 speed now: 0.25 s to 1 s do as well (seeds 0 to 9)."""
-TRIFLE = 1e-6
-"""[rad2/s2 or m2/s2] of changes made and wanted that a joint has to its credit to begin with."""
 CLEARLY = 0.1
 """[1] by which the eta of late answers is the larger one where they are taken for late, so that
 rounding does not decide."""
@@ -114,7 +112,7 @@ class Seen(NamedTuple):
         shares, going = [], []
         for speed, change, wanted, lately, made, late in zip(*self, strict=True):
             once = clip((made + TINY) / (wanted + TINY), 0.0, 1.0)
-            twice = clip((late + TINY) / (lately + TINY), 0.0, 1.0)
+            twice = clip(late / (lately + TINY), 0.0, 1.0)
             pending = clip((twice - once) / CLEARLY, 0.0, 1.0) * twice
             shares.append(maximum(once, twice))
             going.append(speed + pending * ((fading - 1.0) * speed + change))
@@ -122,10 +120,9 @@ class Seen(NamedTuple):
 
 
 def first_seen(speeds: Sequence[Number]) -> Seen:
-    """Return what is remembered of joints to begin with: they are expected to do their part."""
-    n = len(speeds)
-    some, none = [TRIFLE] * n, [0.0] * n
-    return Seen(speeds, none, some, some, some, none)
+    """Return what is remembered of joints to begin with: nothing, so they are to do their part."""
+    none = [0.0] * len(speeds)
+    return Seen(speeds, none, none, none, none, none)
 
 
 def part_of_step(joints: int) -> float:

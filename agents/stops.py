@@ -16,10 +16,9 @@ class Stops:
     in vain.
     """
 
-    AT = np.deg2rad(1.0)
-    """[rad] From a stop, within which a joint presses against it. Chosen by hand."""
     IN_VAIN = np.deg2rad(5.0)
-    """[rad] Beyond a stop, that are worth a long way. Chosen by hand."""
+    """[rad] Beyond a stop, that are worth a long way; so near to one, a joint presses against it.
+    Chosen by hand."""
     URGE = 0.3
     """[rad/s] That the other side may be worse for each second more. Chosen: 3 rad in 10 s."""
 
@@ -44,7 +43,7 @@ class Stops:
         room = xp.where(best > 0, self._upper - angle, angle - self._lower)
         size = abs(best)
         beyond = size - room  # [rad] of the best turn that its stop keeps it from
-        pressing = (beyond > self.IN_VAIN) & (room < self.AT)
+        pressing = (beyond > self.IN_VAIN) & (room < self.IN_VAIN)
         if not xp.any(pressing) and not xp.any(self._way):  # as nearly always
             self._since = np.inf
             return best
@@ -54,6 +53,6 @@ class Stops:
         leaves = there < beyond + self.URGE * vain
         way = xp.where(leaves, xp.where(best > 0, -1.0, 1.0), self._way)
         end_of_way = xp.where(way > 0, self._upper - angle, angle - self._lower)
-        on_the_long_way = (way * best < 0) & (end_of_way > self.AT) & (beyond > 0)
+        on_the_long_way = (way * best < 0) & (end_of_way > self.IN_VAIN) & (beyond > 0)
         self._way = xp.where(on_the_long_way, way, 0.0)
         return best + self._way * 2 * np.pi
