@@ -44,12 +44,10 @@ starts, not 362; half as much again leads to 814 of 993 goals (seeds 0 and 3), n
 CONTENT = 0.0005
 """[L] Error, as of the markers, from which on no comfort is sought. Chosen: with joints 1 and 2
 locked the hand has 80 of 80 goals in the end, and 74 with four times as much."""
-END = 0.6
-"""[L / v_max] How long the error at a plan's end is taken to last. Chosen: 2 s with ARPH; three
-times as long makes no difference to goals that move."""
 URGES = 6.0
-"""[1] Power of e by which that error counts more at most, where the platform stands although a hand
-near its goal is off. Chosen: 13 minutes with ARPH, in which 7 mm cost as much as a full turn."""
+"""[1] Largest u, as the error at a plan's end is taken to last for e^u L / v_max, where the
+platform stands although a hand near its goal is off. Chosen: 22 minutes with ARPH, in which 5 mm
+cost as much as a full turn."""
 QUIET = 0.1
 """[top speed] Motion of a platform that stands as far as that is concerned. Chosen: it turns faster
 on any detour. Without it 645 of 720 goals with other drives are reached, not 664."""
@@ -69,7 +67,7 @@ class Memory(NamedTuple):
         way: How the goal went.
         moved: (..., n) mean squares of the joints' speeds.
         ease: (...) by what the hand is carried past its goal [m], as the platform faces.
-        urge: (...) power of e by which an error counts more that a plan leaves.
+        urge: (...) u, as the error that a plan leaves is taken to last for e^u L / v_max.
         share: (...) of the plan's speeds that it makes.
         plan: (..., M, 2), now: (..., 2) the speeds when it was made, as shares of the tops.
     """
@@ -305,7 +303,7 @@ class PlatformAgent(Agent):
             share = np.where(moves, share, (whole / (TRIFLE * self._length)).clip(0.0, 1.0) ** 2)
         # as long as the arm keeps to a goal on the way, only far better plans are worth a change
         better = np.where(moves, (whole / (SMALL * self._length)).clip(0.0, 1.0), 1.0)
-        lasts = END * self._unit * np.exp(urge)[..., None]
+        lasts = self._unit * np.exp(urge)[..., None]
         now = own.speed.clip(FORWARD, 1.0)
         before = None if old.plan is None else self._planner.later(old.plan, elapsed)
         near = None

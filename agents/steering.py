@@ -46,13 +46,11 @@ BETTER = 0.9
 """[] Share of the present plan's cost that another one needs to replace it. Chosen:
 hysteresis against changing sides at every plan. Without it 94 of 100 courses with things in the way
 are done, not 98 (seed 3), and of 1087 goals without any 3 more; 0.97 makes no difference."""
-BEYOND = 6
-"""[] Growing intervals after the plan's end, in which only the heading that tows is worked out.
-Chosen: they reach to 90 s with ARPH; 3 do nearly as well."""
-STEPS = 0.0, 1.0, 0.4, 0.1
-"""[] Shares of a Gauss-Newton step that the line search tries. Standard: a full step, and
-backtracking by less than a half."""
-
+SHORTER = 0.4
+"""[1] Share of a Gauss-Newton step that the line search tries after a full one, and of that again.
+Standard: backtracking by less than a half (Armijo 1966)."""
+STEPS = np.array([[0.0], [1.0], [SHORTER], [SHORTER**2]])
+BEYOND = INTERVALS // 2  # after the plan's end, in which only the heading that tows is worked out
 
 FORWARD = np.array([0.0, -1.0])  # least shares of the tops: it never goes backwards
 
@@ -156,7 +154,6 @@ class Planner:
         self._until = np.tri(INTERVALS)
         self._spin = self._most_turn @ self._mix
         self._spins = (self._until * self._most_turn) @ self._mix
-        self._shares = np.array(STEPS)[:, None]
         self._final = np.exp(2j * np.pi * np.arange(SEEDS) / SEEDS)
 
     def plan(self, course: Course, before: Array | None) -> InParts[Array]:
@@ -331,7 +328,7 @@ class Planner:
         diagonal += np.where(free, 1e-9, 1.0)
         yield
         step = np.linalg.solve(bend, np.where(free, down, 0.0)[..., None])[..., 0]
-        tried = at[..., None, :] + self._shares * step[..., None, :]
+        tried = at[..., None, :] + STEPS * step[..., None, :]
         tried = tried.clip(low[..., None, :], high[..., None, :])
         tried = tried.reshape(*tried.shape[:-1], 2, INTERVALS).mT
         yield

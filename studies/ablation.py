@@ -56,7 +56,6 @@ def _platform(name: str, constant: str, off: float) -> Term:
 
 TERMS = (
     _platform("large errors count by a root, not by their square", "POWER", 1.0),
-    _platform("the error at the plan's end is taken to last", "END", 1e-9),
     _platform("other plans than the present one are tried", "BETTER", 0.0),
     _platform("only a clearly better plan replaces the present one", "BETTER", 1.0),
     _platform("changes of speed and turning have a cost", "MOVES", 1e-6),
