@@ -278,8 +278,9 @@ def hold_until_it_moves(stub: Stub, down: Callable[[], Any], up: Callable[[], An
     """
 
     def moves() -> bool:
-        before, since = len(stub.heard), time.monotonic()
+        before = len(stub.heard)
         down()
+        since = time.monotonic()
         while time.monotonic() - since < 2.0:
             kinds = [message["type"] for message in stub.heard[before:]]
             if "let_go" in kinds:
