@@ -112,7 +112,7 @@ class Seen(NamedTuple):
         shares, going = [], []
         for speed, change, wanted, lately, made, late in zip(*self, strict=True):
             once = clip((made + TINY) / (wanted + TINY), 0.0, 1.0)
-            twice = clip(late / (lately + TINY), 0.0, 1.0)
+            twice = clip(late / (lately + TINY), 0.0, 1.0)  # nobody is late to begin with
             pending = clip((twice - once) / CLEARLY, 0.0, 1.0) * twice
             shares.append(maximum(once, twice))
             going.append(speed + pending * ((fading - 1.0) * speed + change))

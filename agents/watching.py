@@ -25,8 +25,8 @@ class SteadyEye:
     """
 
     PATIENCE = 0.95
-    """[1] Share kept of what is known of the trembling, and of what others do, at each sight.
-    Chosen: a mean of 20."""
+    """[1] Share kept of what is known of the trembling, of what is missing, and of what others do,
+    at each sight. Chosen: a mean of 20."""
     CHANCE = 0.03
     """[1] Of the differences' variance, that may look like trembling by chance, and that is motion
     at least. Searched."""
@@ -88,8 +88,8 @@ class Content:
     """
 
     WAKES = 1.5
-    """[1] Times the trembling, from which on it no longer rests; the trembling is so many times as
-    much as what is as good as none. Chosen: chance wakes nobody."""
+    """[1] Times the trembling, from which on it no longer rests; it begins to where the trembling
+    is so many times what is missing. Chosen: chance wakes nobody."""
 
     def __init__(self) -> None:
         """Have seen nothing yet."""

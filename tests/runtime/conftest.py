@@ -42,8 +42,6 @@ SOON = 15.0
 """Within which happens on a busy machine what takes less than a second on an idle one [s]."""
 DEADLINE = 60.0
 """For anything that is waited for, however busy the machine is [s]."""
-SLOWER = 1.0, 0.5, 0.25
-"""Shares of a run's speed to try one after the other, while a busy machine is too slow for it."""
 RUN_DEADLINE = 120.0
 """For a run of up to 24 s to end, however busy the machine is [s]."""
 
@@ -203,10 +201,10 @@ class Robot:
         return launcher.returncode, out + err
 
     def run_in_time(self, speed: float, *options: str, file: str = "arph.yaml") -> tuple[int, str]:
-        """Do so at a speed, or at `SLOWER` ones if a busy machine was too slow for it."""
-        for share in SLOWER:
+        """Do so at a speed, or `slower`."""
+        for share in slower(self):
             code, said = self.run("--speed", f"{share * speed:g}", *options, file=file)
-            if code == 0 or self.is_in_time:
+            if code == 0:
                 break
         return code, said
 
@@ -295,6 +293,14 @@ class Robot:
             with suppress(ProcessLookupError):
                 os.kill(pid, signal.SIGKILL)
         wait_for(lambda: not self.processes(), "all processes to be gone")
+
+
+def slower(*robots: Robot) -> Iterator[float]:
+    """Yield shares of a speed to run robots at, while a busy machine was too slow for the last."""
+    for share in (1.0, 0.5, 0.25):
+        yield share
+        if all(robot.is_in_time for robot in robots):
+            return
 
 
 def came_in_time(run: Path) -> bool:
