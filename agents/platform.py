@@ -1,7 +1,7 @@
 """The agent of the mobile platform."""
 
 from math import ceil, exp
-from typing import Annotated, NamedTuple
+from typing import Annotated, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -111,6 +111,8 @@ class PlatformAgent(Agent):
     forward only: the sensors that keep it off people look ahead.
     """
 
+    least: ClassVar[Array] = FORWARD  # a class of a study has other ones, to see what that costs
+
     def __init__(
         self,
         body: Body,
@@ -143,7 +145,7 @@ class PlatformAgent(Agent):
             self._avoiding = Avoiding(body.robot, self._length, PLANS, body.period)
             self.sees |= {"ranges"}
             outline = self._avoiding.outline
-        self._planner = Planner(self._top, change, self._length, outline)
+        self._planner = Planner(self._top, change, self._length, outline, self.least)
         self._unit, self._period = self._planner.unit, body.period
         self._fades = FADES * self._unit
         self._rising = np.exp(-self._planner.times / (SOON * self._unit))
@@ -202,7 +204,7 @@ class PlatformAgent(Agent):
     def _told(self, memory: Memory, able: Array, share: float) -> Array:
         """Return what to ask of the drive (..., 2) after a share of the plan's first stretch.
 
-        As shares of the greatest speeds: never negative, and more of a drive that gives less.
+        As shares of the greatest speeds: never backwards, and more of a drive that gives less.
         """
         soon = memory.share[..., None] * memory.plan[..., 0, :]
         if self._avoiding is not None:
@@ -210,7 +212,7 @@ class PlatformAgent(Agent):
         wanted = memory.now + min(share, 1.0) * (soon - memory.now)
         if self._avoiding is not None:
             wanted = np.where(self._avoiding.shares > 0, wanted, 0.0)  # brakes at once
-        told: Array = (wanted / able).clip(FORWARD, 1.0)
+        told: Array = (wanted / able).clip(self.least, 1.0)
         return told
 
     def _looked(self, t: float, base: Array) -> Own:
@@ -304,7 +306,7 @@ class PlatformAgent(Agent):
         # as long as the arm keeps to a goal on the way, only far better plans are worth a change
         better = np.where(moves, (whole / (SMALL * self._length)).clip(0.0, 1.0), 1.0)
         lasts = self._unit * np.exp(urge)[..., None]
-        now = own.speed.clip(FORWARD, 1.0)
+        now = own.speed.clip(self.least, 1.0)
         before = None if old.plan is None else self._planner.later(old.plan, elapsed)
         near = None
         if self._avoiding is not None:

@@ -120,7 +120,12 @@ class Planner:
     """Plans for one kind of platform, for any leading dimensions."""
 
     def __init__(
-        self, top: Array, acceleration: Array, reach: float, outline: Outline | None = None
+        self,
+        top: Array,
+        acceleration: Array,
+        reach: float,
+        outline: Outline | None = None,
+        least: Array = FORWARD,
     ) -> None:
         """Plan for a drive under an arm.
 
@@ -129,7 +134,9 @@ class Planner:
             acceleration: (2,) [m/s2], [rad/s2].
             reach: L [m].
             outline: Of a platform that sees things; None if it sees none.
+            least: (2,) speeds, as shares of the tops.
         """
+        self._least = least
         self.top, self.reach, self.unit = top, reach, reach / float(top[0])
         length = np.asarray(FIRST * self.unit * GROWTH ** np.arange(INTERVALS + BEYOND))
         self.times = np.cumsum(length)
@@ -197,9 +204,9 @@ class Planner:
         return left
 
     def _bounds(self, course: Course) -> tuple[Array, Array]:
-        """Return the least and most speeds (..., 1, M, 2) there can be; never backwards."""
+        """Return the least and most speeds (..., 1, M, 2) there can be."""
         now, able = course.now[..., None, None, :], course.able[..., None, None, :]
-        floor = able * FORWARD
+        floor = able * self._least
         return (now - self._change).clip(floor, able), (now + self._change).clip(floor, able)
 
     def _moved(self, course: Course, speed: Array) -> tuple[Places, Places, Places, Places, Places]:

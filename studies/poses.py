@@ -14,6 +14,7 @@ from plant.robot import Robot, RobotError
 from studies.baselines.central import as_agents
 from studies.baselines.pose_ik import DampedLeastSquares, ForwardLeastSquares, PoseController
 from studies.cases.drawn import TUNING
+from studies.cases.kind import BackwardsToo
 from studies.cases.posed import (
     AROUND,
     CHAIN_DURATION,
@@ -145,12 +146,19 @@ class Poses(Study[PosesFound]):
             yield Row(f"{name}: MSMA", required, f"left out: {error}"), name, None
             return
         arms = posed(robot, task, count, self._seed)
-        progress.step(name)
+        drives = robot.drive is not None
+        progress.step(name, 0.5 if drives else 1.0)
         since = settled(arms, play(arms, team(robot, PERIOD, self._seed), self._seed))
         good, of = int(np.isfinite(since).sum()), len(since)
         met = bool(good >= task.bar * of)
         yield Row(f"{name}: MSMA", required, _said(since), met), f"{source.name}, MSMA", (good, of)
-        drives = robot.drive is not None
+        if drives:
+            too = "MSMA, backwards too"
+            progress.step(f"{name}, {too}", 0.5)
+            agents = team(robot, PERIOD, self._seed, BackwardsToo)
+            since = settled(arms, play(arms, agents, self._seed))
+            counts = int(np.isfinite(since).sum()), len(since)
+            yield Row(f"{name}: {too}", "", _said(since)), f"{source.name}, {too}", counts
         for side in sides(task, drives):
             progress.step(f"{name}, {side.name}", len(sides(task)) / len(sides(task, drives)))
             what = f"{name}: {side.name}"
@@ -216,7 +224,8 @@ class Poses(Study[PosesFound]):
             "(Wilson).",
             "Damped least squares and pink are central: studies/baselines/pose_ik.py. Both make "
             "the same random moves at goals that stand as MSMA's joints. They drive ARPH backwards "
-            "too unless it says otherwise; MSMA's platform does not, as its sensors look ahead.",
+            "too unless it says otherwise; MSMA's platform does not, as its sensors look ahead, "
+            "unless it says so.",
             "Moving poses: those that damped least squares follows at 60 ms without a joint beyond "
             "a third of its top speed; errors count from 2 s on.",
             f"Chains are planar, 1 m long and given {CHAIN_DURATION:g} s at 60 ms; at a size below "

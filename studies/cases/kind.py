@@ -113,6 +113,12 @@ def locked(
     return Kind(name, q, base, each, goals, duration, judged, robot, size)
 
 
+class BackwardsToo(PlatformAgent):
+    """A platform that drives backwards too, to see what it costs MSMA's that it never does."""
+
+    least = np.array([-1.0, -1.0])
+
+
 def team(
     robot: Robot = ARPH, platform: type[Agent] = PlatformAgent, period: float = PERIOD
 ) -> dict[str, Agent]:

@@ -144,13 +144,16 @@ def posed(robot: Robot, task: Task, count: int, seed: int) -> Posed:
     return Posed(robot, q, goal, locked)
 
 
-def team(robot: Robot, period: float, seed: int) -> dict[str, Agent]:
+def team(
+    robot: Robot, period: float, seed: int, platform: type[PlatformAgent] = PlatformAgent
+) -> dict[str, Agent]:
     """Return MSMA's agents by role; on a platform with the options of ARPH's in deploy/arph.yaml.
 
     Args:
         robot: The robot.
         period: Control period [s].
         seed: Of their random numbers.
+        platform: Class of the platform's agent, if there is one.
     """
     drives = robot.drive is not None
     agents: dict[str, Agent] = {
@@ -162,7 +165,7 @@ def team(robot: Robot, period: float, seed: int) -> dict[str, Agent]:
     }
     if drives:
         body = Body(robot, None, period, [seed, robot.n])
-        agents["platform"] = PlatformAgent(body, perception="blackboard", bearing=BEARING)
+        agents["platform"] = platform(body, perception="blackboard", bearing=BEARING)
     return agents
 
 

@@ -7,8 +7,10 @@ import studies.held_out
 from studies import bars
 from studies.bars import Bar, Bars
 from studies.cases.drawn import drawn
-from studies.cases.kind import judged, play, team
+from studies.cases.goals import standing
+from studies.cases.kind import BackwardsToo, judged, locked, play, team
 from studies.held_out import HeldOut, interval
+from studies.mobile import HAND, POSTURE
 from studies.registry import study
 from studies.study import Progress, StudyError
 
@@ -28,6 +30,7 @@ def test_cases_of_each_kind_are_run_and_judged(
     assert len(found.rows) == 4
     assert {row.met for row in found.rows} <= {True, False, None}
     assert "not one of those" in found.notes[0]
+    assert any("drives backwards too" in note for note in found.notes)
     (picture,) = held_out.draw(found, tmp_path)
     assert picture.stat().st_size > 10_000
 
@@ -38,6 +41,16 @@ def test_the_seed_and_the_number_of_cases_are_settings_of_this_study_alone() -> 
         study("fold", seed=7)
     with pytest.raises(StudyError, match="--cases 0"):
         HeldOut(cases=0)
+
+
+def test_only_a_platform_that_drives_backwards_too_does() -> None:
+    rigid, behind = POSTURE[None, :3], HAND[None] - [0.05, 0.0, 0.0]
+    kind = locked("a goal behind", rigid, 0.0, standing(behind), 6.0)
+    forward, both = play(kind, team()), play(kind, team(platform=BackwardsToo))
+    assert forward.base_velocity[..., 0].min() >= 0.0
+    assert both.base_velocity[..., 0].min() < -0.01
+    assert not judged(kind, forward).success.any()
+    assert judged(kind, both).success.all()
 
 
 def test_a_share_has_its_interval() -> None:
