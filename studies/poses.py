@@ -1,7 +1,7 @@
 """Poses: arms of all kinds move their hands to random poses and after moving ones; long chains."""
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from agents.agent import Array
+from agents.agent import Agent, Array
 from plant.robot import Robot, RobotError
 from studies.baselines.central import as_agents
 from studies.baselines.pose_ik import DampedLeastSquares, ForwardLeastSquares, PoseController
@@ -148,15 +148,14 @@ class Poses(Study[PosesFound]):
         arms = posed(robot, task, count, self._seed)
         drives = robot.drive is not None
         progress.step(name, 0.5 if drives else 1.0)
-        since = settled(arms, play(arms, team(robot, PERIOD, self._seed), self._seed))
+        since = self._settled(arms, team(robot, PERIOD, self._seed))
         good, of = int(np.isfinite(since).sum()), len(since)
         met = bool(good >= task.bar * of)
         yield Row(f"{name}: MSMA", required, _said(since), met), f"{source.name}, MSMA", (good, of)
         if drives:
             too = "MSMA, backwards too"
             progress.step(f"{name}, {too}", 0.5)
-            agents = team(robot, PERIOD, self._seed, BackwardsToo)
-            since = settled(arms, play(arms, agents, self._seed))
+            since = self._settled(arms, team(robot, PERIOD, self._seed, BackwardsToo))
             counts = int(np.isfinite(since).sum()), len(since)
             yield Row(f"{name}: {too}", "", _said(since)), f"{source.name}, {too}", counts
         for side in sides(task, drives):
@@ -173,7 +172,10 @@ class Poses(Study[PosesFound]):
         assert side.make is not None
         locked = arms.locked if side.informed else None
         controller = side.make(arms.robot, PERIOD, locked=locked)
-        return settled(arms, play(arms, as_agents(controller, arms.robot), self._seed))
+        return self._settled(arms, as_agents(controller, arms.robot))
+
+    def _settled(self, arms: Posed, agents: Mapping[str, Agent]) -> Array:
+        return settled(arms, play(arms, agents, self._seed))
 
     def _following(self, count: int, progress: Progress) -> Iterator[Row]:
         """Yield the rows of moving poses."""
