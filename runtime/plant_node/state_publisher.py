@@ -3,6 +3,7 @@
 import math
 import time
 from collections.abc import Iterable, Sequence
+from functools import lru_cache
 from typing import Any, Protocol
 
 from plant import scalar
@@ -28,6 +29,7 @@ from runtime.wire.topics import Topic
 _GOAL_PERIOD = 0.05  # [s] between two messages: at 60 ms there is one with each state
 _GOAL_FRESH = 0.1  # [s] after a message for which its source counts as active
 _GOALS_AT_ONCE = 8  # messages that are looked at, however many came
+_quaternion = lru_cache(maxsize=2)(scalar.quaternion)  # of the readings, and mostly of the truth
 
 
 class _OfReading(Protocol):
@@ -71,7 +73,7 @@ class StatePublisher:
             x, y, heading = numbers(base)
             messages.append((self._platform, PlatformPose(t, x, y, heading)))
         if position is not None and rotation is not None:
-            orientation = scalar.quaternion(numbers(rotation))
+            orientation = _quaternion(numbers(rotation))
             pose = EndEffectorPose(t, numbers(position), orientation)
             messages.append((self._end_effector, pose))
         for percept, reading in sensors.items():
@@ -139,7 +141,7 @@ class MotionLog:
             time.time(),
             motion.t,
             *motion.position,
-            *scalar.quaternion(numbers(motion.rotation)),
+            *_quaternion(numbers(motion.rotation)),
             *motion.q,
             *motion.qd,
             *motion.base,

@@ -61,7 +61,7 @@ class _Decision(NamedTuple):
         if self.change is None:
             return self.speeds
         since = min(t - self.t, self.lasts)
-        return tuple(a + b * since for a, b in zip(self.speeds, self.change, strict=True))
+        return tuple([a + b * since for a, b in zip(self.speeds, self.change, strict=True)])
 
 
 class AgentNode(Node):

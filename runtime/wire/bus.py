@@ -185,15 +185,15 @@ class Bus(AbstractContextManager["Bus"]):
 
     def on_sample(
         self,
-        expression: str,
+        key: str,
         react: Callable[[Sequence[Sample], float], None],
         silence: float | None = None,
         afterwards: Callable[[], None] = lambda: None,
     ) -> CallbackSubscriber:
-        """Return what reacts to each message on a key expression, and to silence, once it runs."""
-        on_sample = CallbackSubscriber(react, silence, afterwards)
+        """Return what reacts to each message on a key, and to silence, once it runs."""
+        on_sample = CallbackSubscriber(key, react, silence, afterwards)
         handler = direct_callback(on_sample.put, drop=on_sample.close)
-        self._session.declare_subscriber(expression, handler)
+        self._session.declare_subscriber(key, handler)
         return on_sample
 
     def subscribe(self, key: str, take: Callable[[str, bytes], None]) -> None:

@@ -82,6 +82,8 @@ class TimeBudget:
 
     def add(self, began: float, ended: float) -> None:
         """Count a reaction from `began` to `ended` [s]."""
+        if ended - began <= _SHORT and not self._level and not self.exceeded:
+            return  # as nearly always: there is nothing to count
         leaked = max(self._level - _LEAK * (ended - self._at), 0.0)
         self._level, self._at = leaked + max(ended - began - _SHORT, 0.0), ended
         self.exceeded = self._level > (0.0 if self.exceeded else _BUDGET)
@@ -94,6 +96,7 @@ class CallbackSubscriber:
     that called `run`, each with all messages that wait by then. The receiving thread never waits.
 
     Args:
+        key: The one that they come on.
         react: Called with what came, the oldest first, and with the time [s, monotonic]; never by
             two threads at once.
         silence: If nothing comes for so long [s] it is called as well, with nothing; None: never.
@@ -103,11 +106,12 @@ class CallbackSubscriber:
 
     def __init__(
         self,
+        key: str,
         react: Callable[[Sequence[Sample], float], None],
         silence: float | None,
         afterwards: Callable[[], None],
     ) -> None:
-        self._react, self._silence = react, silence
+        self._key, self._react, self._silence = key, react, silence
         self._afterwards, self._deferred = afterwards, False
         self._received = False  # anything since it was looked whether there is silence
         self._busy = threading.Lock()
@@ -120,25 +124,27 @@ class CallbackSubscriber:
     def put(self, sample: zenoh.Sample) -> None:
         """Take a sample from the bus's thread."""
         self._received = True
-        self._waiting.append(sample_of(sample))
-        if self._budget.exceeded or not self._busy.acquire(blocking=False):
+        arrived = sample_of(sample, self._key)
+        if self._budget.exceeded or not self._busy.acquire(False):
+            self._waiting.append(arrived)
             self._awake.set()
             return
         try:
-            self._react_to_all()
+            self._react_to([*self._waited(), arrived] if self._waiting else (arrived,))
         except Exception as error:  # it is the caller of `run` that has to know
             self._error = error
             self._awake.set()
         finally:
             self._busy.release()
 
-    def _react_to_all(self, silent: bool = False) -> None:
-        """React to all that waits, also what came during the last reaction; or to silence."""
-        waiting = [self._waiting.popleft() for _ in range(len(self._waiting))]
-        if waiting or silent:
-            began = time.monotonic()
-            self._react(waiting, began)
-            self._budget.add(began, time.monotonic())
+    def _waited(self) -> list[Sample]:
+        """Take what came during the last reaction."""
+        return [self._waiting.popleft() for _ in range(len(self._waiting))]
+
+    def _react_to(self, samples: Sequence[Sample]) -> None:
+        began = time.monotonic()
+        self._react(samples, began)
+        self._budget.add(began, time.monotonic())
 
     def run(self) -> None:
         """Let it react until the bus is closed; raises what a reaction raises."""
@@ -149,7 +155,9 @@ class CallbackSubscriber:
             if self._error is not None:
                 raise self._error
             with self._busy:
-                self._react_to_all(silent)
+                waited = self._waited()
+                if waited or silent:
+                    self._react_to(waited)
             if self._deferred:
                 self._deferred = False
                 self._afterwards()
