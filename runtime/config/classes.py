@@ -57,8 +57,7 @@ class ClassName(Generic[_T]):
             raise node.error(f"{type(error).__name__}: {error}") from error
 
 
-@dataclass(frozen=True)
-class ClassOf(Kind):
+class ClassOf(Kind, frozen=True):
     """The name of a class that derives from `base`.
 
     Of a list of names it is the first whose module can be imported: others may need an extra that

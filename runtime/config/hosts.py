@@ -11,7 +11,7 @@ from runtime.errors import valid_are
 from runtime.wire.mesh import LOOPBACK
 
 
-class _Host(Text):
+class _Host(Text, frozen=True):
     """The name of one of the deployment's hosts."""
 
     def read(self, node: YamlNode, scope: Scope) -> str:

@@ -3,11 +3,11 @@
 import math
 import os
 import re
-from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+
+from msgspec import Struct
 
 from plant.units import Unit, UnitError, parse_quantity
 from runtime.config.tree import YamlNode
@@ -17,23 +17,21 @@ Scope = Mapping[str, Any]
 """Values read earlier, of the same and the enclosing mappings, by attribute name."""
 
 
-@dataclass(frozen=True)
-class Kind(ABC):
+class Kind(Struct, frozen=True):
     """A kind of value; as an annotation it says how the annotated value is read."""
 
     such_as: str  # an example, for messages
 
-    @abstractmethod
     def read(self, node: YamlNode, scope: Scope) -> Any:
         """Return the value of a node, or raise its `ConfigError`."""
+        raise NotImplementedError
 
     def write(self, value: Any) -> Any:
         """Return plain data that `read` turns into the value again; by default of `str`."""
         return value if isinstance(value, int | str) else str(value)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Number(Kind):
+class Number(Kind, frozen=True, kw_only=True):
     """A number from `least` to `most`, and larger than `above`, in SI units."""
 
     above: float = -math.inf
@@ -51,8 +49,7 @@ class Number(Kind):
         raise node.error(f"{node.text} must be {bound.strip()}, such as {self.such_as}")
 
 
-@dataclass(frozen=True)
-class Quantity(Number):
+class Quantity(Number, frozen=True):
     """A number with a unit; a number without a unit is in SI units."""
 
     unit: Unit = "1"
@@ -70,8 +67,7 @@ class Quantity(Number):
         return float(value) if plain else f"{float(value)!r} {self.unit}"
 
 
-@dataclass(frozen=True)
-class Whole(Number):
+class Whole(Number, frozen=True):
     """A whole number."""
 
     def read(self, node: YamlNode, scope: Scope) -> int:
@@ -81,8 +77,7 @@ class Whole(Number):
         return int(node.text)
 
 
-@dataclass(frozen=True)
-class Choice(Kind):
+class Choice(Kind, frozen=True):
     """One of several words, in any case; different words may have the same value."""
 
     values: Mapping[str, Any]
@@ -94,8 +89,7 @@ class Choice(Kind):
         return self.values[word]
 
 
-@dataclass(frozen=True)
-class Text(Kind):
+class Text(Kind, frozen=True):
     """Text as it was written, if the whole of it matches a pattern."""
 
     what: str = "text"  # what such a text is called, for messages
@@ -107,8 +101,7 @@ class Text(Kind):
         return node.value
 
 
-@dataclass(frozen=True)
-class File(Kind):
+class File(Kind, frozen=True):
     """A path, relative to the file that names it, which must exist.
 
     One of `output` need not exist, and is relative to the current folder.
@@ -125,8 +118,7 @@ class File(Kind):
         return path
 
 
-@dataclass(frozen=True)
-class Items(Kind):
+class Items(Kind, frozen=True):
     """A list of values.
 
     Attributes:
@@ -161,8 +153,7 @@ class Items(Kind):
         return self.kinds * count if self.many else self.kinds
 
 
-@dataclass(frozen=True)
-class Table(Kind):
+class Table(Kind, frozen=True):
     """A mapping from names chosen by the user to values of one kind, in the order as written."""
 
     key: Kind
@@ -180,8 +171,7 @@ class Table(Kind):
         return {name: self.value.write(each) for name, each in value.items()}
 
 
-@dataclass(frozen=True)
-class Maybe(Kind):
+class Maybe(Kind, frozen=True):
     """A value, or null for None."""
 
     kind: Kind

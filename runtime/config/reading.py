@@ -11,11 +11,13 @@ import math
 import typing
 from collections import ChainMap
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
+from dataclasses import MISSING, fields, is_dataclass, replace
 from functools import cache
 from pathlib import Path
 from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, NamedTuple, Union, get_args, get_origin, get_type_hints
+
+from msgspec import Struct
 
 from plant.units import Unit
 from runtime.config import kinds
@@ -43,8 +45,7 @@ class Rest(NamedTuple):
     find: Callable[[Scope], "Sequence[Field] | None"]
 
 
-@dataclass(frozen=True)
-class Field:
+class Field(Struct, frozen=True):
     """A key of a mapping, by the name of the attribute or parameter."""
 
     name: str
@@ -84,8 +85,7 @@ class Field:
         return {self.key: self.kind.write(value)}
 
 
-@dataclass(frozen=True)
-class Structure(Kind):
+class Structure(Kind, frozen=True):
     """A mapping that becomes a dataclass.
 
     A method `check(node, scope)` of the class may raise an error. If the class has `one_of`,

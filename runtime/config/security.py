@@ -24,7 +24,7 @@ class KeyFolder:
         return str(self.path)
 
 
-class _Folder(Kind):
+class _Folder(Kind, frozen=True):
     """A folder, relative to the file that names it."""
 
     def read(self, node: YamlNode, scope: Scope) -> KeyFolder:

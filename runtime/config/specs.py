@@ -40,8 +40,7 @@ Position = Annotated[float, Quantity("30 deg", "rad or m")]
 """Of a joint; which of the two follows from its kind."""
 
 
-@dataclass(frozen=True)
-class _Source(Kind):
+class _Source(Kind, frozen=True):
     """The name of one of our robots, or a path relative to the file that names it."""
 
     def read(self, node: YamlNode, scope: Scope) -> str:
@@ -285,8 +284,7 @@ class AgentSpec:
         self.class_.check(node, lambda: self.build(robot, scope["period"], [0]))
 
 
-@dataclass(frozen=True)
-class _Agents(Items):
+class _Agents(Items, frozen=True):
     """A list of agents, in which `joint/*` is replaced by one for each joint that is left."""
 
     def read(self, node: YamlNode, scope: Scope) -> tuple[AgentSpec, ...]:

@@ -119,7 +119,7 @@ class Colour:
         return self.code
 
 
-class Hex(Kind):
+class Hex(Kind, frozen=True):
     def read(self, node: YamlNode, scope: Scope) -> Colour:
         if not node.text.startswith("#"):
             raise node.error(f"{node.text} has no #")
