@@ -29,8 +29,7 @@ on for long where none of it serves, and is late where it is to be elsewhere."""
 NEAR = 0.13
 """[reaches] off on the level, from which on a goal is the platform's affair, not the arm's, which
 is not to fold over after one behind it nor stretch for one ahead, only to have to come back. As in
-the law before, where it was 0.2242 m of ARPH's; 0.1 and 0.2 do as well. Where the hand is to be
-turned, the arm does not wait: of 240 poses of ARPH 230 are reached so, and 216 with slow joints."""
+the law before, where it was 0.2242 m of ARPH's; 0.1 and 0.2 do as well."""
 FIRST = 8
 """[] Power of `NEAR` / d by which squares of what is off on the level count less for joints than
 those in height. Trade-off: with 2, arms stretch for far goals, 42 of 50 until the elbow is within
@@ -115,10 +114,7 @@ class LineByModel:
         if base is not None:
             (ex, ey, _), (x, y, _) = arm.tip_parts, place_at(goal, goal.moving(t))
             near = self._near / xp.sqrt(xp.maximum((x - ex) ** 2 + (y - ey) ** 2, self._near**2))
-            if hand is None:
-                level = near**FIRST
-            else:
-                gx, gy = ex + near * (gx - ex), ey + near * (gy - ey)
+            level = near**FIRST
         step, changes = left_by_others(
             xp, self._links, index, arm, off, (gx - vx, gy - vy, gz - vz), self._lever2, horizon,
             places, going, shares, max(elapsed, self._period), fading, level,

@@ -197,9 +197,10 @@ def best_step(
     section 3.1. No inverse kinematics: one joint, one circle, the nearest point on it.
 
     Where squares of what is off on the level count but m times in C, it is that to a goal m times
-    as far off on the level, times |u|^2 / (m (u_x^2 + u_y^2) + u_z^2), with u = a x r, or a where
-    it slides: the least C for small steps, by the Gauss-Newton method. It is damped: `DAMPED` |u|^2
-    is added above and below, so that a joint which does nothing for height moves by little.
+    as far off on the level, times (|u|^2 + j) / (m (u_x^2 + u_y^2) + u_z^2 + j), with u = a x r and
+    j = 2 k (0 where the hand may be turned in any way), or u = a and j = 0 where it slides: the
+    least C for small steps, by the Gauss-Newton method. It is damped: `DAMPED` |u|^2 is added above
+    and below, so that a joint which does nothing for height moves by little.
 
     Args:
         xp: The namespace.
@@ -209,7 +210,7 @@ def best_step(
         axis: (3) unit axis of the joint.
         point: (3) on it [m].
         slides: Whether the joint slides.
-        level: m, of a hand that may be turned in any way; None for 1.
+        level: m; None for 1.
     """
     ax, ay, az = axis
     (ex, ey, ez), turn = off
@@ -238,7 +239,8 @@ def best_step(
     best = xp.atan2(sine, cosine)
     if level is not None:
         way = ay * rz - az * ry, az * rx - ax * rz, ax * ry - ay * rx
-        best = xp.clip(best * _longer(way, level, STILL * lever2), -pi, pi)
+        still = STILL * lever2 if turn is None else 2.0 * lever2
+        best = xp.clip(best * _longer(way, level, still), -pi, pi)
     return best
 
 
