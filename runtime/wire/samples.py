@@ -18,10 +18,8 @@ class Sample(NamedTuple):
 
 def sample_of(sample: zenoh.Sample, key: str | None = None) -> Sample:
     """Return what a sample of Zenoh's holds; where its key is known, it need not be asked."""
-    payload = sample.payload
-    data = payload.to_bytes() if len(payload) <= LARGEST else _OVERSIZE
     # in a third of the time that the class takes
-    return tuple.__new__(Sample, (key or str(sample.key_expr), data))
+    return tuple.__new__(Sample, (key or str(sample.key_expr), data_of(sample.payload)))
 
 
 def data_of(payload: zenoh.ZBytes) -> bytes:
