@@ -110,7 +110,7 @@ class LineByModel:
         hand = None if aim.turn is None else turn_of(xp, arm)
         off = arm.tip_parts, hand and turn_against(xp, turned_by(xp, turns, hand), aim)
         (gx, gy, gz), (vx, vy, vz) = aim.place, goes
-        near, level = 1.0, None  # share of what is off on the level that is the arm's affair
+        near, level = 1.0, None  # how much of the way on the level is the arm's affair, and m
         if base is not None:
             (ex, ey, _), (x, y, _) = arm.tip_parts, place_at(goal, goal.moving(t))
             near = self._near / xp.sqrt(xp.maximum((x - ex) ** 2 + (y - ey) ** 2, self._near**2))

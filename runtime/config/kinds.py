@@ -3,6 +3,7 @@
 import math
 import os
 import re
+from abc import abstractmethod
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -22,9 +23,9 @@ class Kind(Struct, frozen=True):
 
     such_as: str  # an example, for messages
 
+    @abstractmethod
     def read(self, node: YamlNode, scope: Scope) -> Any:
         """Return the value of a node, or raise its `ConfigError`."""
-        raise NotImplementedError
 
     def write(self, value: Any) -> Any:
         """Return plain data that `read` turns into the value again; by default of `str`."""

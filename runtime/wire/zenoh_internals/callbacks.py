@@ -125,7 +125,7 @@ class CallbackSubscriber:
         """Take a sample from the bus's thread."""
         self._received = True
         arrived = sample_of(sample, self._key)
-        if self._budget.exceeded or not self._busy.acquire(False):
+        if self._budget.exceeded or not self._busy.acquire(blocking=False):
             self._waiting.append(arrived)
             self._awake.set()
             return
