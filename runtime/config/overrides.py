@@ -31,13 +31,14 @@ class Override(NamedTuple):
 
     def _key(self, node: YamlNode, name: str) -> str:
         """Return the key or index of the child that `name` refers to."""
-        if node.shape is list:
+        if node.shape is list and node.path:
             known = {child.role: index for index, child in node.children.items() if child.role}
             if name not in {*known, *node.children, "+"}:
                 has = ", ".join([*(known or node.children), "+ for a new one"])
                 raise ConfigError(f"{self.source}: {node.path} has no {name}; it has {has}")
             return known.get(name, name)
-        if node.shape is str or name == "+":
-            what = f"{node.path or 'the file'} is not a {'list' if name == '+' else 'mapping'}"
+        if node.shape is not dict or name == "+":
+            shape = "list" if name == "+" and node.path else "mapping"
+            what = f"{node.path or 'the file'} is not a {shape}"
             raise ConfigError(f"{self.source}: {what}, so {name} cannot be set in it")
         return name

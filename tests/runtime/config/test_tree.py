@@ -144,8 +144,8 @@ def test_a_byte_order_mark_is_no_part_of_the_file(tmp_path: Path) -> None:
 TEXT = "a: {b: 1}\nlist: [{role: r, k: 1}, {role: s}]\nnone:\nplain: 2\n"
 
 
-def override(path: str, value: str) -> YamlNode:
-    root = parse(TEXT, START)
+def override(path: str, value: str, text: str = TEXT) -> YamlNode:
+    root = parse(text, START)
     Override(f"--set {path}={value}", path, value).apply(root)
     return root
 
@@ -187,3 +187,12 @@ def test_an_override_of_a_missing_value_is_refused(path: str, value: str, says: 
     with pytest.raises(ConfigError) as caught:
         override(path, value)
     assert str(caught.value) == f"--set {path}={value}: {says}"
+
+
+@pytest.mark.parametrize("name", ["x", "0", "+"])
+@pytest.mark.parametrize("text", ["[{role: x}]", "x"])
+def test_an_override_in_a_file_without_keys_is_refused(text: str, name: str) -> None:
+    with pytest.raises(ConfigError) as caught:
+        override(name, "1", text)
+    says = f"the file is not a mapping, so {name} cannot be set in it"
+    assert str(caught.value) == f"--set {name}=1: {says}"
