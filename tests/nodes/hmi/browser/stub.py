@@ -294,3 +294,13 @@ def hold_until_it_moves(stub: Stub, down: Callable[[], Any], up: Callable[[], An
     wait_until(moves, "jogs arrive")
     number: int = stub.of("jog")[-1]["press"]
     return number
+
+
+def jog_by(stub: Stub, button: Any, key: str = "Space") -> Json:
+    """Hold a key on a button until some jogs have arrived, let go; return the last of its jogs."""
+    keys = button.page.keyboard
+    button.focus()
+    number = hold_until_it_moves(stub, lambda: keys.down(key), lambda: keys.up(key))
+    keys.up(key)
+    wait_until(lambda: number in [each["press"] for each in stub.of("let_go")], "it stops")
+    return [each for each in stub.of("jog") if each["press"] == number][-1]

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from tests.nodes.hmi.browser.chromium import tab
-from tests.nodes.hmi.browser.stub import Stub, hold_until_it_moves, wait_until
+from tests.nodes.hmi.browser.stub import Stub, hold_until_it_moves, jog_by, wait_until
 
 BUTTONS = (
     *("STOP", "Release", "Forward", "Back", "Left", "Right", "Up", "Down", "Open", "Close"),
@@ -152,9 +152,7 @@ def test_single_keys_move_nothing_until_they_are_switched_on(page: Any, stub: St
     page.locator("#settings summary").click()
     page.locator("#setting-keys").get_by_role("radio", name="On").click()
     page.evaluate("document.activeElement.blur()")
-    page.locator("body").press("ArrowUp", delay=300)
-    wait_until(lambda: stub.of("let_go"), "it moves and stops")
-    assert stub.of("jog")[0]["speeds"][:3] == [0.5, 0, 0]
+    assert jog_by(stub, page.locator("body"), "ArrowUp")["speeds"][:3] == [0.5, 0, 0]
     page.locator("body").press("Escape")
     wait_until(lambda: stub.of("halt"), "it stops")
 
@@ -229,7 +227,7 @@ def test_one_switch_is_enough(page: Any, stub: Stub) -> None:
     wait_until(halts, "STOP")
 
 
-def assert_moves_by_what_is_shown(page: Any, stub: Stub) -> None:
+def assert_jog_by_what_is_shown(page: Any, stub: Stub) -> None:
     """Hold a button by key until it has named two states that the page has shown, and let go."""
     page.locator("[data-move=up]").focus()
 
@@ -259,7 +257,7 @@ def test_without_webgl_the_buttons_work(browser: Any, stub: Stub) -> None:
     page.goto(stub.address)
     page.get_by_text("No 3D picture on this device").wait_for()
     page.get_by_text("m high").wait_for()
-    assert_moves_by_what_is_shown(page, stub)
+    assert_jog_by_what_is_shown(page, stub)
     context.close()
 
 
@@ -267,7 +265,7 @@ def test_when_webgl_is_lost_the_buttons_go_on_working(page: Any, stub: Stub) -> 
     page.locator("body[data-picture=drawn]").wait_for()
     page.evaluate(f"{LOSE}.loseContext()")
     page.get_by_text("No 3D picture on this device").wait_for()
-    assert_moves_by_what_is_shown(page, stub)
+    assert_jog_by_what_is_shown(page, stub)
 
 
 def test_the_page_speaks_french_and_remembers_it(page: Any) -> None:

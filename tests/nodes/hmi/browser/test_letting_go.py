@@ -273,8 +273,8 @@ def test_a_click_moves_until_the_next_click_anywhere_and_never_longer_than_its_t
 
 
 def test_a_screen_readers_click_is_a_step(page: Any, stub: Stub) -> None:
-    page.locator("[data-move=up]").evaluate("button => button.click()")
-    wait_until(lambda: stub.of("jog"), "it moves")
+    up = page.locator("[data-move=up]")
+    hold_until_it_moves(stub, lambda: up.evaluate("button => button.click()"), lambda: None)
     assert stub.of("jog")[0]["step"] == 0.02
 
 

@@ -1,12 +1,11 @@
 """What the two views send and show."""
 
-from functools import partial
 from typing import Any
 
 import pytest
 
 from tests.nodes.hmi.browser.chromium import tab
-from tests.nodes.hmi.browser.stub import Stub, wait_until
+from tests.nodes.hmi.browser.stub import Stub, jog_by, wait_until
 
 
 def test_states_are_answered_once_they_are_painted(page: Any, stub: Stub) -> None:
@@ -89,32 +88,25 @@ def test_a_direction_is_in_the_frame_that_was_chosen(
     page.locator("body[data-picture=drawn]").wait_for()
     page.locator("#settings summary").click()
     page.get_by_role("radio", name=frame).click()
-    page.locator("[data-move=forward]").press("Space", delay=300)
-    wait_until(lambda: stub.of("let_go"), "it moves and stops")
-    assert stub.of("jog")[0]["frame"] == sent
-    assert stub.of("jog")[0].get("camera", 0.0) == pytest.approx(0.0, abs=0.01)  # from behind
+    jog = jog_by(stub, page.locator("[data-move=forward]"))
+    assert jog["frame"] == sent
+    assert jog.get("camera", 0.0) == pytest.approx(0.0, abs=0.01)  # from behind
 
 
 def test_forward_turns_with_the_picture(page: Any, stub: Stub) -> None:
     page.locator("body[data-picture=drawn]").wait_for()
     page.locator("#view summary").click()
     page.get_by_role("button", name="From the side").click()
-    page.locator("[data-move=forward]").press("Space", delay=300)
-    wait_until(lambda: stub.of("let_go"), "it moves and stops")
-    assert stub.of("jog")[0]["camera"] == pytest.approx(1.571, abs=0.01)  # looks to the left
+    jog = jog_by(stub, page.locator("[data-move=forward]"))
+    assert jog["camera"] == pytest.approx(1.571, abs=0.01)  # looks to the left
 
 
 def test_one_can_sit_elsewhere(page: Any, stub: Stub) -> None:
     page.locator("#settings summary").click()
     page.get_by_role("radio", name="As I sit").click()
     page.get_by_role("radio", name="Towards it").click()
-    page.locator("[data-move=forward]").press("Space", delay=300)
-    wait_until(lambda: stub.of("let_go"), "it moves and stops")
-    assert stub.of("jog")[0]["camera"] == pytest.approx(3.1416, abs=0.01)
-
-
-def let_go_count(stub: Stub, count: int) -> bool:
-    return len(stub.of("let_go")) == count
+    jog = jog_by(stub, page.locator("[data-move=forward]"))
+    assert jog["camera"] == pytest.approx(3.1416, abs=0.01)
 
 
 def test_manual_mode_has_one_set_of_buttons_for_the_platform_and_one_for_the_joints(
@@ -127,24 +119,19 @@ def test_manual_mode_has_one_set_of_buttons_for_the_platform_and_one_for_the_joi
         "Left": ("platform", [0, 0.5]),
         "Down": ("joint/1", [-0.5]),  # which was used last
     }
-    for number, (name, moved) in enumerate(presses.items(), 1):
-        page.get_by_role("button", name=name, exact=True).press("Space", delay=300)
-        wait_until(partial(let_go_count, stub, number), "it moves and stops")
-        jog = stub.of("jog")[-1]
+    for name, moved in presses.items():
+        jog = jog_by(stub, page.get_by_role("button", name=name, exact=True))
         assert (jog["mode"], jog["part"], jog["speeds"]) == ("manual", *moved), name
     page.get_by_role("button", name="Roll left").wait_for(state="hidden")
 
 
 def test_the_gripper_opens_and_closes(page: Any, stub: Stub) -> None:
-    page.locator("[data-move=close]").press("Space", delay=300)
-    wait_until(lambda: stub.of("let_go"), "it moves and stops")
-    assert (stub.of("jog")[-1]["grip"], stub.of("jog")[-1]["speeds"]) == (-1, [0] * 6)
+    jog = jog_by(stub, page.locator("[data-move=close]"))
+    assert (jog["grip"], jog["speeds"]) == (-1, [0] * 6)
 
 
 def test_the_hand_goes_to_a_place_while_its_button_is_held(page: Any, stub: Stub) -> None:
-    page.get_by_role("button", name="Go to mouth").press("Space", delay=300)
-    wait_until(lambda: stub.of("let_go"), "it moves and stops")
-    jog = stub.of("jog")[-1]
+    jog = jog_by(stub, page.get_by_role("button", name="Go to mouth"))
     assert jog["target"] == stub.hello["places"]["mouth"]
     assert (jog["mode"], jog["part"], jog["speeds"]) == ("shared", "hand", [0.5])
 
@@ -184,9 +171,8 @@ def test_places_and_the_marker_are_goals_in_automatic_mode(browser: Any, stub: S
 def test_the_hand_goes_to_the_marker_while_the_button_is_held(page: Any, stub: Stub) -> None:
     page.locator("#goal-part summary").click()
     page.get_by_label("x, ahead (m)", exact=True).fill("0.9")
-    page.get_by_role("button", name="Go there").press("Space", delay=300)
-    wait_until(lambda: stub.of("let_go"), "it moves and stops")
-    assert stub.of("jog")[-1]["target"]["position"][0] == 0.9
+    jog = jog_by(stub, page.get_by_role("button", name="Go there"))
+    assert jog["target"]["position"][0] == 0.9
 
 
 def test_a_place_is_saved_and_forgotten(page: Any, stub: Stub) -> None:
