@@ -31,10 +31,13 @@ def draw(log: RunLog, deployment: Deployment, events: Sequence[RunEvent], file: 
     path = None if deployment.goal is None else deployment.goal.build()
     on_path = log.on_path()[0][thin].tolist()
     goal = None if path is None else np.array([path.piece(t).at(t) for t in on_path])
-    figure = Figure(figsize=(10, 7), layout="constrained")
+    figure = Figure(figsize=(10, 7))  # a layout that is worked out would draw everything twice
     FigureCanvasAgg(figure)
     figure.suptitle(f"{deployment.robot}: {log.t[-1]:g} s at a period of {deployment.period:g} s")
-    grid = figure.add_gridspec(2, 2, width_ratios=(1, 1.2))
+    grid = figure.add_gridspec(
+        2, 2, width_ratios=(1, 1.2),
+        left=0.08, right=0.98, bottom=0.12, top=0.91, wspace=0.25, hspace=0.15,
+    )  # fmt: skip
     _draw_above(figure.add_subplot(grid[:, 0]), log, thin, goal)
     above = figure.add_subplot(grid[0, 1])
     above.plot(log.t[thin], log.hand[thin, 2], color=_HAND, lw=2.5, label="hand")

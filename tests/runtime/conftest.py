@@ -127,13 +127,20 @@ def _command(arguments: Sequence[str]) -> list[str]:
 
 
 class Robot:
-    """A robot of a name of its own, with `msma` as a person would use it from another folder."""
+    """A robot of a name of its own, with `msma` as a person would use it from another folder.
+
+    As for one who has not installed matplotlib, its runs end without a plot: each would take half
+    as much processor time again as a run of a second.
+    """
 
     def __init__(self, folder: Path, stack: ExitStack) -> None:
         self.name = free_name(stack)
         self.folder = folder / self.name
         self.folder.mkdir()
-        self.environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+        missing = folder / "missing"
+        missing.mkdir(exist_ok=True)
+        (missing / "matplotlib.py").write_text("raise ImportError")
+        self.environment = {**os.environ, "PYTHONPATH": f"{missing}{os.pathsep}{ROOT}"}
         self._started: list[subprocess.Popen[str]] = []
         stack.callback(self._end)
 

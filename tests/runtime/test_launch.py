@@ -11,12 +11,13 @@ from pathlib import Path
 
 import pytest
 
-from tests.runtime.conftest import DEADLINE, RUN_DEADLINE, Robot, slower, wait_for
+from tests.runtime.conftest import DEADLINE, ROOT, RUN_DEADLINE, Robot, slower, wait_for
 
 ROLES = ["plant", "goal", *(f"joint/{number}" for number in range(1, 7)), "platform"]
 
 
 def test_the_paper_s_task_is_done_and_nothing_is_left_but_the_record(robot: Robot) -> None:
+    robot.environment["PYTHONPATH"] = str(ROOT)  # matplotlib is there: the run is drawn
     code, said = robot.run_in_time(1)
     assert code == 0, said
     assert robot.processes() == {}
