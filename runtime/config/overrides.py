@@ -19,6 +19,9 @@ class Override(NamedTuple):
         node, names = root, self.path.split(".")
         if not all(names):
             raise ConfigError(f"{location}: {self.path!r} is not a path, such as goal.velocity")
+        if root.shape is not dict and not root.is_null:
+            what = f"the file is not a mapping, so {names[0]} cannot be set in it"
+            raise ConfigError(f"{self.source}: {what}")
         for name, after in zip(names, [*names[1:], None], strict=True):
             if node.is_null:
                 node.shape = list if name == "+" else dict
@@ -31,14 +34,13 @@ class Override(NamedTuple):
 
     def _key(self, node: YamlNode, name: str) -> str:
         """Return the key or index of the child that `name` refers to."""
-        if node.shape is list and node.path:
+        if node.shape is list:
             known = {child.role: index for index, child in node.children.items() if child.role}
             if name not in {*known, *node.children, "+"}:
                 has = ", ".join([*(known or node.children), "+ for a new one"])
                 raise ConfigError(f"{self.source}: {node.path} has no {name}; it has {has}")
             return known.get(name, name)
-        if node.shape is not dict or name == "+":
-            shape = "list" if name == "+" and node.path else "mapping"
-            what = f"{node.path or 'the file'} is not a {shape}"
+        if node.shape is str or name == "+":
+            what = f"{node.path or 'the file'} is not a {'list' if name == '+' else 'mapping'}"
             raise ConfigError(f"{self.source}: {what}, so {name} cannot be set in it")
         return name

@@ -178,6 +178,7 @@ def test_the_location_of_an_overridden_value_is_the_override() -> None:
         ("a..b", "1", "'a..b' is not a path, such as goal.velocity"),
         ("plain.x", "1", "plain is not a mapping, so x cannot be set in it"),
         ("a.+", "1", "a is not a list, so + cannot be set in it"),
+        ("+", "1", "the file is not a list, so + cannot be set in it"),
         ("list.t", "1", "list has no t; it has r, s, + for a new one"),
         ("list.2", "1", "list has no 2; it has r, s, + for a new one"),
         ("a", "[1", "is not YAML: did not find expected ',' or ']'"),

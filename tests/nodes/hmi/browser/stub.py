@@ -302,5 +302,5 @@ def jog_by(stub: Stub, button: Any, key: str = "Space") -> Json:
     button.focus()
     number = hold_until_it_moves(stub, lambda: keys.down(key), lambda: keys.up(key))
     keys.up(key)
-    wait_until(lambda: number in [each["press"] for each in stub.of("let_go")], "it stops")
+    wait_until(lambda: [x["press"] for x in stub.of("let_go")].count(number) == 1, "it stops")
     return [each for each in stub.of("jog") if each["press"] == number][-1]

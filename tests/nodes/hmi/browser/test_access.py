@@ -152,7 +152,8 @@ def test_single_keys_move_nothing_until_they_are_switched_on(page: Any, stub: St
     page.locator("#settings summary").click()
     page.locator("#setting-keys").get_by_role("radio", name="On").click()
     page.evaluate("document.activeElement.blur()")
-    assert jog_by(stub, page.locator("body"), "ArrowUp")["speeds"][:3] == [0.5, 0, 0]
+    jog_by(stub, page.locator("body"), "ArrowUp")
+    assert stub.of("jog")[0]["speeds"][:3] == [0.5, 0, 0]
     page.locator("body").press("Escape")
     wait_until(lambda: stub.of("halt"), "it stops")
 
@@ -227,7 +228,7 @@ def test_one_switch_is_enough(page: Any, stub: Stub) -> None:
     wait_until(halts, "STOP")
 
 
-def assert_jog_by_what_is_shown(page: Any, stub: Stub) -> None:
+def assert_moves_by_what_is_shown(page: Any, stub: Stub) -> None:
     """Hold a button by key until it has named two states that the page has shown, and let go."""
     page.locator("[data-move=up]").focus()
 
@@ -257,7 +258,7 @@ def test_without_webgl_the_buttons_work(browser: Any, stub: Stub) -> None:
     page.goto(stub.address)
     page.get_by_text("No 3D picture on this device").wait_for()
     page.get_by_text("m high").wait_for()
-    assert_jog_by_what_is_shown(page, stub)
+    assert_moves_by_what_is_shown(page, stub)
     context.close()
 
 
@@ -265,7 +266,7 @@ def test_when_webgl_is_lost_the_buttons_go_on_working(page: Any, stub: Stub) -> 
     page.locator("body[data-picture=drawn]").wait_for()
     page.evaluate(f"{LOSE}.loseContext()")
     page.get_by_text("No 3D picture on this device").wait_for()
-    assert_jog_by_what_is_shown(page, stub)
+    assert_moves_by_what_is_shown(page, stub)
 
 
 def test_the_page_speaks_french_and_remembers_it(page: Any) -> None:
